@@ -1,0 +1,48 @@
+# The same verbs for people and CI. Each one sets up what it needs.
+PYTHON ?= python3
+VENV ?= .venv
+BIN := $(VENV)/bin
+STAMP := $(VENV)/.installed
+JOBS ?= 2
+# One thread a process: torch and numpy gain nothing from more, and the tests run side by side.
+export OMP_NUM_THREADS ?= 1
+
+.PHONY: setup train test test-slow unit lint type layers bench docs examples
+
+setup: $(STAMP)
+
+$(STAMP): setup.cfg pyproject.toml constraints.txt
+	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e ".[dev]"
+	touch $@
+
+train: setup
+	$(BIN)/hexwar train --progress
+
+test: lint type layers unit
+
+unit: setup
+	$(BIN)/python -m pytest -n $(JOBS) -m "not slow"
+
+test-slow: lint type layers
+	$(BIN)/python -m pytest -n $(JOBS)
+
+lint: setup
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+
+type: setup
+	$(BIN)/mypy
+
+layers: setup
+	$(BIN)/lint-imports
+
+bench: setup
+	$(BIN)/hexwar bench
+
+# The pages that are made from the code: the feature table, the seeds.
+docs: setup
+	$(BIN)/python -m pytest -q tests/house/test_docs.py
+
+examples: setup
+	$(BIN)/python -m pytest -q tests/examples

@@ -1,0 +1,233 @@
+"""The replay buffer: each step of each game is stored once, n steps are put together when drawn."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import torch
+from gymnasium import spaces
+from jaxtyping import Bool, Float, Int
+from numpy.typing import NDArray
+from torch import Tensor
+
+from hexwar_sb3.algorithms.td_targets import DECISION_TICKS, n_step_return, row_discount
+from hexwar_sb3.errors import ConfigError, TrainingError
+from hexwar_sb3.policies.shapes import TaskShapes
+from hexwar_sb3.policies.task_sets import TaskSets
+
+HALF_BOUND = 16.0  # features of at most this size lose nothing that matters in float16
+
+
+@dataclass(frozen=True)
+class Situation:
+    """What the networks see of a batch of situations."""
+
+    sets: TaskSets  # of B * N pieces
+    state: Float[Tensor, "batch state"]
+    alive: Float[Tensor, "batch piece"]
+
+
+@dataclass(frozen=True)
+class Batch:
+    """Transitions over one or more steps each."""
+
+    now: Situation
+    then: Situation  # after the steps
+    tasks: Int[Tensor, " batch*piece"]  # the task that each piece was given
+    reward: Float[Tensor, "batch 1"]  # return over the steps, in points
+    discount: Float[Tensor, "batch 1"]
+    terminated: Float[Tensor, "batch 1"]
+    inside: Bool[Tensor, " batch"]  # False for padding after an episode's end
+
+
+class StepReplay:
+    """A ring of steps for each game, float16 where harmless.
+
+    A row holds the observation of a step and what followed; the observation after it is the next row's.
+    An episode that was cut short ends with a row that holds its last observation only.
+
+    Args:
+        buffer_size: steps of all games together.
+        observation_space: of the task env.
+        action_space: of the task env.
+        device: of the batches.
+        n_envs: games at a time.
+        gamma: discount of 75 ticks.
+    """
+
+    def __init__(
+        self,
+        buffer_size: int,
+        observation_space: spaces.Dict,
+        action_space: spaces.MultiDiscrete,
+        device: torch.device,
+        n_envs: int,
+        gamma: float = 0.99,
+    ) -> None:
+        shapes = TaskShapes.of(observation_space, action_space)
+        self.n_envs, self.rows, self.device, self.gamma = n_envs, max(buffer_size // n_envs, 2), device, gamma
+        self.n_pieces, self.n_tasks = shapes.n_pieces, shapes.n_tasks
+        size = (n_envs, self.rows)
+        self.obs = {key: np.zeros((*size, *(box.shape or ())), _storage(box)) for key, box in observation_space.items()}
+        self.tasks = np.zeros((*size, shapes.n_pieces), np.int16)
+        self.reward = np.zeros(size, np.float32)
+        self.discount = np.zeros(size, np.float32)
+        self.terminated = np.zeros(size, bool)
+        self.done = np.zeros(size, bool)
+        self.is_step = np.zeros(size, bool)  # a whole step, not only an observation
+        self.next_row = np.zeros(n_envs, np.int64)
+        self.used = 0  # rows that were ever written
+
+    def add(
+        self,
+        obs: Mapping[str, NDArray[Any]],
+        next_obs: Mapping[str, NDArray[Any]],
+        action: NDArray[np.int64],
+        reward: NDArray[np.float32],
+        done: NDArray[np.bool_],
+        infos: list[dict[str, Any]],
+    ) -> None:
+        """Store one step of every game; `next_obs` holds the last observation of games that ended.
+
+        Of `infos` it reads `ticks` (one decision if missing), `demo_actions` (what another player did in
+        the learner's seat: stored instead of `action`) and SB3's `TimeLimit.truncated`.
+
+        Raises:
+            TrainingError: a stored task was masked.
+        """
+        game = np.arange(self.n_envs)
+        row = self.next_row
+        cut = np.array([info.get("TimeLimit.truncated", False) for info in infos])
+        self._write(row, obs)
+        self.tasks[game, row] = [info.get("demo_actions", action[b]) for b, info in enumerate(infos)]
+        self._check_tasks(row)
+        self.reward[game, row] = reward
+        self.discount[game, row] = [row_discount(self.gamma, info.get("ticks", DECISION_TICKS)) for info in infos]
+        self.terminated[game, row] = done & ~cut
+        self.done[game, row] = done
+        self.is_step[game, row] = True
+        after = (row + 1) % self.rows
+        self._write(after, next_obs)
+        self.is_step[game, after] = False
+        self.next_row = np.where(cut, (after + 1) % self.rows, after)
+        self.is_step[game, self.next_row] = False
+        self.used = self.rows if (after < row).any() else max(self.used, int(after.max()) + 1)
+
+    def _write(self, row: NDArray[np.int64], obs: Mapping[str, NDArray[Any]]) -> None:
+        for key, stored in self.obs.items():
+            stored[np.arange(self.n_envs), row] = obs[key]
+
+    def _check_tasks(self, row: NDArray[np.int64]) -> None:
+        game = np.arange(self.n_envs)
+        tasks = self.tasks[game, row].astype(np.int64)
+        known = (tasks >= 0) & (tasks < self.n_tasks)
+        valid = np.take_along_axis(self.obs["action_mask"][game, row], np.where(known, tasks, 0)[..., None], axis=-1)
+        if not (known & (valid[..., 0] != 0)).all():
+            raise TrainingError(f"a masked task was played or demonstrated: tasks {tasks.tolist()}")
+
+    def __len__(self) -> int:
+        """Steps that can be drawn."""
+        return int(self.is_step.sum())
+
+    def sample(self, batch_size: int, n_steps: int, rng: np.random.Generator) -> Batch:
+        """Draw transitions over up to `n_steps` steps; fewer at an episode's end and at the newest row."""
+        game, start = self._draw(batch_size, rng)
+        rows, inside = self._walk(game, start, n_steps)
+        at = (game[:, None], rows)
+        reward, discount = n_step_return(
+            self._tensor(self.reward[at]), self._tensor(self.discount[at]), torch.as_tensor(inside, device=self.device)
+        )
+        last = rows[np.arange(batch_size), inside.sum(axis=1) - 1]
+        return self._batch(game, start, last, reward, discount, np.ones(batch_size, bool))
+
+    def sample_windows(self, n_windows: int, length: int, rng: np.random.Generator) -> Batch:
+        """Draw runs of `length` single steps [n_windows * length], for λ-returns."""
+        game, start = self._draw(n_windows, rng)
+        rows, inside = self._walk(game, start, length)
+        game, flat = game.repeat(length), rows.reshape(-1)
+        reward, discount = (self._tensor(values[game, flat, None]) for values in (self.reward, self.discount))
+        return self._batch(game, flat, flat, reward, discount, inside.reshape(-1))
+
+    def _draw(self, count: int, rng: np.random.Generator) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+        """Game and row of some steps, uniformly."""
+        steps = np.flatnonzero(self.is_step)
+        if not steps.size:
+            raise ConfigError("the replay buffer is empty: nothing can be learned before the first step")
+        return np.divmod(rng.choice(steps, count), self.rows)
+
+    def _walk(
+        self, game: NDArray[np.int64], start: NDArray[np.int64], length: int
+    ) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
+        """Rows of the steps from `start` on [B, length], and whether each is still the same episode's."""
+        rows = (start[:, None] + np.arange(length)) % self.rows
+        at = (game[:, None], rows)
+        goes_on = self.is_step[at][:, 1:] & ~self.done[at][:, :-1]
+        inside = np.concatenate([np.ones((len(game), 1), bool), goes_on], axis=1)
+        return rows, np.logical_and.accumulate(inside, axis=1)
+
+    def _batch(
+        self,
+        game: NDArray[np.int64],
+        start: NDArray[np.int64],
+        last: NDArray[np.int64],
+        reward: Tensor,
+        discount: Tensor,
+        inside: NDArray[np.bool_],
+    ) -> Batch:
+        return Batch(
+            now=self._situation(game, start),
+            then=self._situation(game, (last + 1) % self.rows),
+            tasks=torch.as_tensor(self.tasks[game, start].reshape(-1), device=self.device).long(),
+            reward=reward,
+            discount=discount,
+            terminated=self._tensor(self.terminated[game, last, None]),
+            inside=torch.as_tensor(inside, device=self.device),
+        )
+
+    def _situation(self, game: NDArray[np.int64], row: NDArray[np.int64]) -> Situation:
+        """Gather the valid task rows and nothing else of the task sets."""
+        step = game * self.rows + row
+        mask = _by_step(self.obs["action_mask"])[step].reshape(-1, self.n_tasks)
+        piece, task = np.nonzero(mask)
+        wanted = (step.repeat(self.n_pieces)[piece] * self.n_pieces + piece % self.n_pieces) * self.n_tasks + task
+        features = self.obs["tasks"].reshape(-1, self.obs["tasks"].shape[-1])
+        obs = self._tensor(_by_step(self.obs["obs"])[step])
+        state = self._tensor(_by_step(self.obs["state"])[step]) if "state" in self.obs else obs.flatten(1)
+        index = (torch.as_tensor(piece, device=self.device), torch.as_tensor(task, device=self.device))
+        sets = TaskSets(obs.flatten(0, 1), self._tensor(features.take(wanted, axis=0)), *index, self.n_tasks)
+        return Situation(sets, state, self._tensor(_by_step(self.obs["alive"])[step]))
+
+    def _tensor(self, values: NDArray[Any]) -> Tensor:
+        return torch.as_tensor(values, device=self.device).float()
+
+    def snapshot(self) -> dict[str, NDArray[Any]]:
+        """Everything that is stored, by name; rows that were never written are left out."""
+        parts = {name: array[:, : self.used] for name, array in self._arrays().items()}
+        return {**parts, "next_row": self.next_row}
+
+    def restore(self, parts: Mapping[str, NDArray[Any]]) -> None:
+        """Take over what `snapshot` gave."""
+        self.used = parts["reward"].shape[1]
+        for name, array in self._arrays().items():
+            array[:, : self.used] = parts[name]
+        self.next_row = np.array(parts["next_row"])
+
+    def _arrays(self) -> dict[str, NDArray[Any]]:
+        names = ("tasks", "reward", "discount", "terminated", "done", "is_step")
+        return {**{f"obs_{key}": array for key, array in self.obs.items()}, **{name: getattr(self, name) for name in names}}
+
+
+def _by_step(values: NDArray[Any]) -> NDArray[Any]:
+    """Rows of all games in one axis."""
+    return values.reshape(-1, *values.shape[2:])
+
+
+def _storage(box: spaces.Space[Any]) -> np.dtype[Any]:
+    """Type to store a part of the observation in."""
+    if not isinstance(box, spaces.Box):
+        raise ConfigError(f"every part of a task env's observation is a Box, got {box}")
+    small = bool(np.all(np.abs(box.low) <= HALF_BOUND) and np.all(np.abs(box.high) <= HALF_BOUND))
+    return np.dtype(np.float16) if small and box.dtype == np.float32 else np.dtype(box.dtype or np.float32)

@@ -1,0 +1,179 @@
+"""What a map offers, worked out once before any game: firing posts, nests, dangers of distances.
+
+Everything is listed in the camp's frame: on a mirror-symmetric map blue's tables are red's, mirrored.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import numpy as np
+import numpy.typing as npt
+
+from hexwar_sb3.bots.config import compiled_config
+from hexwar_sb3.bots.records import AROUND, ATLAS, BAND_CELLS, NESTS, POSTS, REACH
+from hexwar_sb3.engine.pieces import target_class
+from hexwar_sb3.engine.records import NO_CELL
+from hexwar_sb3.engine.sight import line_of_sight
+from hexwar_sb3.engine.world import World
+from hexwar_sb3.kernels import Row, Rows, kernel
+from hexwar_sb3.maps.geometry import cells_apart, frame_cell
+from hexwar_sb3.rules.compiled import NO_POOL
+from hexwar_sb3.rules.enums import Camp, HopClass, PieceType
+from hexwar_sb3.tasks.shots import expected_value
+
+AROUND_CELLS = 5
+RING_CELLS = ((6, 3), (8, 4), (12, 6), (14, 7))  # distance and step along the ring: 12 cells each
+VIEW_CELLS = 3  # around a control point, for the worth of a post
+NEST_CELLS = (2, 4)  # nearest and farthest nest from its point
+NO_WAY = 255  # eta: cannot be reached
+
+
+@lru_cache(maxsize=8)
+def make_atlas(world: World) -> Rows:
+    """The atlas of a world [1], read-only."""
+    atlas = np.zeros(1, ATLAS).view(np.recarray)
+    row = atlas[0]
+    row.config = compiled_config()[0]
+    row.width, row.height = world.scenario.hexmap.width, world.scenario.hexmap.height
+    values = [point.value for point in world.scenario.points]
+    row.rank[: len(values)] = np.argsort(-np.array(values, np.int64), kind="stable")
+    row.around[:] = _offsets(0, AROUND_CELLS, 1)
+    row.ring[:] = _ring_offsets()
+    fill_danger(row.danger, world.rules[0])
+    row.post[:], row.nest[:] = NO_CELL, NO_CELL
+    for camp in (Camp.RED, Camp.BLUE):
+        own = world.scenario.pieces[world.side(camp)]
+        if own:
+            row.home[camp] = own[0].cell
+            _fill_points(row, camp, world)
+    atlas.flags.writeable = False
+    return atlas
+
+
+def _offsets(nearest: int, farthest: int, step: int) -> npt.NDArray[np.int8]:
+    """Cube steps (dq, dr) to all cells at these distances, nearest first, then by angle."""
+    sides = ((0, 1), (1, 0), (1, -1), (0, -1), (-1, 0), (-1, 1))
+    found = [(0, 0)] if nearest == 0 else []
+    for radius in range(max(nearest, 1), farthest + 1):
+        q, r = -radius, 0
+        ring = []
+        for dq, dr in sides:
+            for _ in range(radius):
+                ring.append((q, r))
+                q, r = q + dq, r + dr
+        found += ring[::step]
+    return np.array(found, np.int8)
+
+
+def _ring_offsets() -> npt.NDArray[np.int8]:
+    return np.concatenate([_offsets(apart, apart, step) for apart, step in RING_CELLS])
+
+
+def _fill_points(row: Row, camp: int, world: World) -> None:
+    for k, point in enumerate(world.scenario.points):
+        for band, (nearest, farthest) in enumerate(BAND_CELLS):
+            cells, worth = _best_posts(camp, point.cell, nearest, farthest, row, world)
+            row.post[camp, k, band, : len(cells)] = cells
+            row.post_worth[camp, k, band, : len(cells)] = worth
+        nests = _best_nests(camp, point.cell, world)
+        row.nest[camp, k, : len(nests)] = nests
+
+
+def _best_posts(
+    camp: int, point: int, nearest: int, farthest: int, row: Row, world: World
+) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.float64]]:
+    """The best firing cells of one band, best first; ties by the cell in the camp's frame."""
+    worth = np.full(world.cells.size, -np.inf)
+    rate_posts(point, nearest, farthest, int(row.home[camp]), world.cells, world.los, world.eta, worth)
+    return _best(worth, camp, world.cells, POSTS)
+
+
+def _best_nests(camp: int, point: int, world: World) -> npt.NDArray[np.int64]:
+    worth = np.full(world.cells.size, -np.inf)
+    rate_nests(point, world.cells, world.los, worth)
+    return _best(worth, camp, world.cells, NESTS)[0]
+
+
+def _best(
+    worth: npt.NDArray[np.float64], camp: int, cells: Rows, count: int
+) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.float64]]:
+    found = np.flatnonzero(worth > -np.inf)
+    frame = cells.mirror[found] if camp == Camp.BLUE else found
+    order = np.lexsort((frame, -worth[found]))[:count]
+    return found[order], worth[found[order]]
+
+
+@kernel
+def rate_posts(
+    point: int, nearest: int, farthest: int, home: int, cells: Rows, los: Rows, eta: Rows, worth: Rows
+) -> None:
+    """Write to worth[cell] how good each cell is as a firing post of a control point (bots.md, section 1)."""
+    for cell in range(cells.size):
+        apart = cells_apart(cells, cell, point)
+        way = eta[HopClass.VEHICLE, cell, home]
+        if apart < nearest or apart > farthest or cells[cell].passable == 0 or way == NO_WAY:
+            continue
+        if not line_of_sight(los, 0, cell, point):
+            continue
+        seen = 0
+        for near in range(cells.size):
+            if cells_apart(cells, near, point) <= VIEW_CELLS and line_of_sight(los, 0, cell, near):
+                seen += 1
+        score = 0.1 * seen - 0.1 * way
+        if cells[cell].concealed:
+            score += 4.0
+        if cells[cell].level >= cells[point].level:
+            score += 1.0
+        worth[cell] = score
+
+
+@kernel
+def rate_nests(point: int, cells: Rows, los: Rows, worth: Rows) -> None:
+    """Write to worth[cell] how good each cell near a control point is for a hidden soldier."""
+    for cell in range(cells.size):
+        apart = cells_apart(cells, cell, point)
+        if apart < NEST_CELLS[0] or apart > NEST_CELLS[1]:
+            continue
+        if cells[cell].passable == 0 or not line_of_sight(los, 0, cell, point):
+            continue
+        worth[cell] = 2.0 * cells[cell].concealed - apart + cells[cell].exposure
+
+
+@kernel
+def fill_danger(danger: Rows, rules: Row) -> None:
+    """Expected points of the best weapon's shot at each distance: full blood, level ground, no modifiers."""
+    for kind in range(danger.shape[0]):
+        for target in range(danger.shape[1]):
+            for apart in range(REACH):
+                danger[kind, target, apart] = _best_value(kind, target, apart, rules)
+
+
+@kernel
+def _best_value(kind: int, target: int, apart: int, rules: Row) -> float:
+    best = 0.0
+    blood = int(rules.blood[kind])
+    if apart >= rules.level.shape[3]:
+        return best
+    for weapon in range(rules.pool.shape[1]):
+        level = int(rules.level[weapon, target_class(target), blood, apart])
+        if rules.pool[kind, weapon] == NO_POOL or level == 0:
+            continue
+        value = expected_value(weapon, blood, level, 0, target, int(rules.blood[target]), False, rules)
+        best = max(best, value)
+    return best
+
+
+@kernel
+def cell_at(cell: int, dq: int, dr: int, camp: int, cells: Rows, atlas: Row) -> int:
+    """The cell a cube step away, the step taken in the camp's frame; NO_CELL off the map."""
+    if camp == Camp.BLUE:
+        dq = -dq - dr
+    r = cells[cell].r + dr
+    if r < 0 or r >= atlas.height:
+        return NO_CELL
+    x = cells[cell].q + dq + (r - (r & 1)) // 2
+    if x < 0 or x >= atlas.width:
+        return NO_CELL
+    there = r * atlas.width + x
+    return there if cells[there].playable else NO_CELL

@@ -1,0 +1,182 @@
+"""The heuristic lower level: where a task is best done, and the cheapest next hop to that place.
+
+An answer of the lower level is 0, stay here and perform, or direction + 1 (architecture.md,
+section 3). Whoever replaces it answers the same question from the same arguments.
+"""
+
+from __future__ import annotations
+
+from hexwar_sb3.engine.pieces import hop_from
+from hexwar_sb3.engine.records import NO_CELL
+from hexwar_sb3.kernels import Row, Rows, kernel
+from hexwar_sb3.maps.geometry import NO_DIRECTION, cells_apart, frame_direction
+from hexwar_sb3.tasks.known import armed_level, sees_itself, would_see
+from hexwar_sb3.tasks.records import TaskKind
+from hexwar_sb3.tasks.travel import UNREACHABLE, next_direction, travel_ticks
+
+GOOD_LEVEL = 5  # attack level at which a place is good enough to shoot from
+SEARCH_CELLS = 30  # how far along the way a place is looked for
+SHADOW_CHOICES = 6  # places that a shadowing piece compares for cover
+
+_UNFIT = 0.0
+
+
+@kernel
+def heuristic_direction(
+    i: int, game: Row, pieces: Rows, memory: Rows, plans: Rows, rules: Row, cells: Rows, los: Rows, eta: Rows
+) -> int:
+    """Answer of the lower level for piece i: 0 stay and perform, else direction + 1.
+
+    Writes the right place, as resolved now, into `plans[i].goal`.
+    """
+    piece = pieces[i]
+    plan = plans[i]
+    plan.goal = right_place(i, game, pieces, memory, plans, rules, cells, los, eta)
+    if plan.goal == NO_CELL:
+        return 0
+    covered = plan.covered == 1
+    return 1 + next_direction(piece.kind, piece.camp, piece.cell, plan.goal, covered, rules, cells, eta)
+
+
+@kernel
+def is_at_target(kind: int) -> bool:
+    """Kinds whose target is an enemy."""
+    return (
+        kind == TaskKind.ATTACK
+        or kind == TaskKind.GUIDE
+        or kind == TaskKind.BOMBARD
+        or kind == TaskKind.SHADOW
+    )
+
+
+@kernel
+def right_place(
+    i: int, game: Row, pieces: Rows, memory: Rows, plans: Rows, rules: Row, cells: Rows, los: Rows, eta: Rows
+) -> int:
+    """The cell where piece i's task is to be done (table of architecture.md, section 3)."""
+    plan = plans[i]
+    if is_at_target(plan.kind):
+        return _place_for_target(i, pieces, memory, plans, rules, cells, los, eta)
+    if plan.kind == TaskKind.BOARD:
+        return int(pieces[plan.target].cell)
+    if plan.cell != NO_CELL:
+        return int(plan.cell)
+    return int(pieces[i].cell)
+
+
+@kernel
+def fitness(
+    i: int, cell: int, j: int, task_kind: int, pieces: Rows, memory: Rows, rules: Row, cells: Rows, los: Rows
+) -> float:
+    """How well piece i could do a task on enemy j from a cell; 0: not at all, GOOD_LEVEL: well."""
+    piece = pieces[i]
+    known = memory[piece.camp, j]
+    kind = pieces[j].kind
+    if task_kind == TaskKind.BOMBARD:
+        apart = cells_apart(cells, cell, known.cell)
+        in_range = rules.mortar_min_cells <= apart <= rules.mortar_max_cells
+        return float(GOOD_LEVEL) if in_range else _UNFIT
+    if not would_see(piece.kind, cell, kind, known, rules, cells, los):
+        return _UNFIT
+    if task_kind == TaskKind.ATTACK:
+        return float(armed_level(piece, cell, kind, known.cell, rules, cells))
+    if task_kind == TaskKind.SHADOW:
+        return 1.0 + cover(cell, cells)
+    return float(GOOD_LEVEL)
+
+
+@kernel
+def cover(cell: int, cells: Rows) -> float:
+    """How sheltered a cell is, 0..2."""
+    shelter = 1.0 if cells[cell].concealed else 0.0
+    return 1.0 - float(cells[cell].exposure) + shelter
+
+
+@kernel
+def _fitness_here(
+    i: int, j: int, task_kind: int, pieces: Rows, memory: Rows, rules: Row, cells: Rows, los: Rows
+) -> float:
+    """The same for the piece's own cell, where what it really sees is known."""
+    piece = pieces[i]
+    overlooked = memory[piece.camp, j].seen == 1 and not sees_itself(piece, j)
+    if overlooked and task_kind != TaskKind.BOMBARD:
+        return _UNFIT
+    return fitness(i, piece.cell, j, task_kind, pieces, memory, rules, cells, los)
+
+
+@kernel
+def _place_for_target(
+    i: int, pieces: Rows, memory: Rows, plans: Rows, rules: Row, cells: Rows, los: Rows, eta: Rows
+) -> int:
+    """Here if it will do, else the first good cell on the way to where the enemy was last seen."""
+    piece = pieces[i]
+    plan = plans[i]
+    j = plan.target
+    target_cell = memory[piece.camp, j].cell
+    if target_cell == NO_CELL:
+        return int(piece.cell)
+    here = _fitness_here(i, j, plan.kind, pieces, memory, rules, cells, los)
+    if here >= GOOD_LEVEL or (plan.kind == TaskKind.SHADOW and here > _UNFIT):
+        return int(piece.cell)
+    if plan.kind == TaskKind.SHADOW and plan.goal != NO_CELL:
+        if fitness(i, plan.goal, j, plan.kind, pieces, memory, rules, cells, los) > _UNFIT:
+            return int(plan.goal)
+    if plan.kind == TaskKind.BOMBARD and cells_apart(cells, piece.cell, target_cell) < rules.mortar_min_cells:
+        return _step_back(piece, target_cell, rules, cells)
+    return _best_on_the_way(i, here, pieces, memory, plans, rules, cells, los, eta)
+
+
+@kernel
+def _best_on_the_way(
+    i: int, here: float, pieces: Rows, memory: Rows, plans: Rows, rules: Row, cells: Rows, los: Rows, eta: Rows
+) -> int:
+    """Walk the way in mind and keep the best place; shadows compare only the first few."""
+    piece = pieces[i]
+    plan = plans[i]
+    target_cell = memory[piece.camp, plan.target].cell
+    end = approach(piece.kind, piece.camp, piece.cell, target_cell, rules, cells, eta)
+    best, best_fitness, choices = int(piece.cell), here, 0
+    cell = int(piece.cell)
+    for _ in range(SEARCH_CELLS):
+        d = next_direction(piece.kind, piece.camp, cell, end, plan.covered == 1, rules, cells, eta)
+        if d == NO_DIRECTION:
+            break
+        cell = int(cells[cell].neighbour[d])
+        if cell == target_cell:
+            break
+        fit = fitness(i, cell, plan.target, plan.kind, pieces, memory, rules, cells, los)
+        if fit > best_fitness:
+            best, best_fitness = cell, fit
+        choices += 1 if fit > _UNFIT else 0
+        if best_fitness >= GOOD_LEVEL or (plan.kind == TaskKind.SHADOW and choices >= SHADOW_CHOICES):
+            break
+    return cell if best_fitness == _UNFIT else best
+
+
+@kernel
+def approach(kind: int, camp: int, start: int, goal: int, rules: Row, cells: Rows, eta: Rows) -> int:
+    """The goal, or a neighbour of it that can be reached where itself cannot; else the start."""
+    if travel_ticks(kind, start, goal, rules, cells, eta) < UNREACHABLE:
+        return goal
+    for framed in range(6):
+        beside = int(cells[goal].neighbour[frame_direction(framed, camp)])
+        if beside != NO_CELL and travel_ticks(kind, start, beside, rules, cells, eta) < UNREACHABLE:
+            return beside
+    return start
+
+
+@kernel
+def _step_back(piece: Row, target_cell: int, rules: Row, cells: Rows) -> int:
+    """The neighbour that is farthest from a cell, the quicker one among equals; else here."""
+    best = int(piece.cell)
+    most, least_ticks = cells_apart(cells, piece.cell, target_cell), UNREACHABLE
+    for framed in range(6):
+        d = frame_direction(framed, piece.camp)
+        hop = hop_from(piece.kind, piece.cell, d, rules, cells)
+        if hop == 0:
+            continue
+        beside = int(cells[piece.cell].neighbour[d])
+        apart = cells_apart(cells, beside, target_cell)
+        if apart > most or (apart == most and best != piece.cell and hop < least_ticks):
+            best, most, least_ticks = beside, apart, hop
+    return best

@@ -1,0 +1,86 @@
+"""The folder of a training run: what was asked, and where everything lies."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+from hexwar_sb3.errors import FileFormatError
+from hexwar_sb3.files import replacing
+
+
+@dataclass(frozen=True)
+class RunFolder:
+    """Paths of `runs/<name>_<k>/` (architecture.md, section 7)."""
+
+    path: Path
+
+    @classmethod
+    def new(cls, runs: Path, name: str) -> RunFolder:
+        """Make the first `runs/<name>_<k>` that is free."""
+        for k in range(1, 1_000_000):
+            path = runs / f"{name}_{k}"
+            try:
+                path.mkdir(parents=True)
+            except FileExistsError:
+                continue
+            return cls(path)
+        raise FileExistsError(f"{runs} is full of runs named {name}")
+
+    @property
+    def config(self) -> Path:
+        """What was asked, as JSON."""
+        return self.path / "config.json"
+
+    @property
+    def model(self) -> Path:
+        """The model at the end, as Stable-Baselines3 saves it."""
+        return self.path / "model.zip"
+
+    @property
+    def policy(self) -> Path:
+        """The policy alone: what opponents, viewers and others load."""
+        return self.path / "policy"
+
+    @property
+    def checkpoint(self) -> Path:
+        """All that a resumed run needs."""
+        return self.path / "checkpoint"
+
+    @property
+    def replays(self) -> Path:
+        """Recorded games."""
+        return self.path / "replays"
+
+    @property
+    def page(self) -> Path:
+        """What was learned, as text; its figures lie beside it as JSON."""
+        return self.path / "page.txt"
+
+    def write_config(self, config: Any, command: str) -> None:
+        """Write the settings (a dataclass) and the command line."""
+        write_text(self.config, json.dumps(asdict(config), indent=2, default=str) + "\n")
+        write_text(self.path / "command.txt", command + "\n")
+
+    def read_config(self) -> dict[str, Any]:
+        """Read the settings of a run.
+
+        Raises:
+            FileFormatError: there are none, or they are no JSON object.
+        """
+        try:
+            config = json.loads(self.config.read_text(encoding="utf-8"))
+        except (OSError, ValueError) as error:
+            found = getattr(error, "strerror", None) or str(error)
+            raise FileFormatError(self.config, "file", found=found, expected="a run's settings") from error
+        if not isinstance(config, dict):
+            raise FileFormatError(self.config, "file", found=type(config).__name__, expected="a JSON object")
+        return config
+
+
+def write_text(path: Path, text: str) -> None:
+    """Write a text file, whole or not at all."""
+    with replacing(path) as temporary:
+        temporary.write_text(text, encoding="utf-8")

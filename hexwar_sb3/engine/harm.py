@@ -1,0 +1,103 @@
+"""What fire does to pieces: losses, suppression, death (rule book, sections 5.4, 7, 13)."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from hexwar_sb3.engine.codes import Event
+from hexwar_sb3.engine.events import note
+from hexwar_sb3.engine.pieces import cancel_transitions, clear_boarding, clear_path, has_path, hop_progress
+from hexwar_sb3.engine.records import NEVER, NO_PIECE
+from hexwar_sb3.kernels import Row, Rows, kernel
+from hexwar_sb3.rules.enums import PieceType
+
+_ONE = np.uint32(1)
+
+
+@kernel
+def apply_results(game: Row, pieces: Rows, log: Rows, rules: Row) -> np.uint32:
+    """Apply all collected results together; bits of the pieces that died."""
+    dead = np.uint32(0)
+    for i in range(pieces.size):
+        if pieces[i].hit_now:
+            dead |= _suffer(i, game, pieces, log, rules)
+            pieces[i].hit_now = 0
+            pieces[i].zero_now = 0
+            pieces[i].losses_now = 0
+    return dead
+
+
+@kernel
+def _suffer(i: int, game: Row, pieces: Rows, log: Rows, rules: Row) -> np.uint32:
+    piece = pieces[i]
+    losses = int(piece.losses_now)
+    if piece.kind == PieceType.SOLDIER and piece.suppressed and piece.zero_now:
+        losses += 1
+    losses = min(losses, int(piece.blood))
+    if losses > 0:
+        piece.blood -= losses
+        game.loss_tick[piece.camp] = game.tick + 1
+        note(game, log, Event.LOSS, i, NO_PIECE, piece.cell, losses)
+    if piece.blood == 0:
+        return die_with_passenger(i, game, pieces, log)
+    if piece.kind != PieceType.AEROCRAFT:
+        _suppress(i, game, pieces, log, rules)
+    return _hurt_passenger(i, losses, game, pieces, log)
+
+
+@kernel
+def _suppress(i: int, game: Row, pieces: Rows, log: Rows, rules: Row) -> None:
+    piece = pieces[i]
+    piece.suppressed = 1
+    piece.keep_ends = game.tick + rules.keep_ticks
+    cancel_transitions(i, pieces)
+    if piece.kind == PieceType.SOLDIER and has_path(piece) and hop_progress(piece, game.tick) == 0:
+        piece.arrives_at = NEVER
+        piece.waiting = 1
+    note(game, log, Event.SUPPRESSED, i, NO_PIECE, piece.cell, 0)
+
+
+@kernel
+def _hurt_passenger(i: int, losses: int, game: Row, pieces: Rows, log: Rows) -> np.uint32:
+    """A chariot that loses n vehicles costs its passenger min(n, squads) (section 13)."""
+    p = pieces[i].passenger
+    if p == NO_PIECE or losses == 0:
+        return np.uint32(0)
+    losses = min(losses, int(pieces[p].blood))
+    pieces[p].blood -= losses
+    note(game, log, Event.LOSS, p, i, pieces[i].cell, losses)
+    if pieces[p].blood > 0:
+        return np.uint32(0)
+    pieces[i].passenger = NO_PIECE
+    cancel_transitions(i, pieces)
+    return _die(p, game, pieces, log)
+
+
+@kernel
+def die_with_passenger(i: int, game: Row, pieces: Rows, log: Rows) -> np.uint32:
+    """Destroy a piece and whoever rides in it."""
+    p = pieces[i].passenger
+    bits = _die(i, game, pieces, log)
+    if p != NO_PIECE:
+        bits |= _die(p, game, pieces, log)
+    return bits
+
+
+@kernel
+def _die(i: int, game: Row, pieces: Rows, log: Rows) -> np.uint32:
+    piece = pieces[i]
+    cancel_transitions(i, pieces)
+    clear_boarding(piece)
+    clear_path(piece)
+    piece.blood = 0
+    piece.hidden = 0
+    piece.suppressed = 0
+    piece.stop_ends = NEVER
+    piece.stop_forced = 0
+    piece.cool_ends = NEVER
+    piece.mortar_ends = NEVER
+    piece.keep_ends = NEVER
+    piece.passenger = NO_PIECE
+    piece.carrier = NO_PIECE
+    note(game, log, Event.DEAD, i, NO_PIECE, piece.cell, 0)
+    return _ONE << np.uint32(i)

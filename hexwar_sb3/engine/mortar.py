@@ -1,0 +1,154 @@
+"""Indirect fire: launch, landing, burst (rule book, section 9)."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from hexwar_sb3.engine.codes import Event
+from hexwar_sb3.engine.dice import die, two_dice
+from hexwar_sb3.engine.events import note, note_shot
+from hexwar_sb3.engine.fire import add_result, clamp
+from hexwar_sb3.engine.pieces import count_in, in_motion, on_map, spend_round, stands_in
+from hexwar_sb3.engine.records import NEVER, NO_CELL, NO_PIECE, ROUND_BURSTING, ROUND_FLYING, ROUND_FREE
+from hexwar_sb3.engine.sight import has_line
+from hexwar_sb3.kernels import Row, Rows, kernel
+from hexwar_sb3.maps.geometry import cells_apart, frame_direction
+from hexwar_sb3.rules.compiled import NO_EFFECT, SCATTER_HIT
+from hexwar_sb3.rules.enums import Dice, PieceType, Weapon
+
+_ONE = np.uint32(1)
+_OBSERVER_SEES, _OBSERVER_LOOKS, _NO_OBSERVER = 2, 1, 0
+
+
+@kernel
+def launch(i: int, cell: int, game: Row, pieces: Rows, rounds: Rows, log: Rows, rules: Row, cells: Rows) -> None:
+    """Fire the mortar at a cell: the round flies from now on."""
+    piece = pieces[i]
+    for r in range(rounds.size):
+        if rounds[r].owner != i or rounds[r].status != ROUND_FREE:
+            continue
+        shell = rounds[r]
+        shell.camp = piece.camp
+        shell.status = ROUND_FLYING
+        shell.blood_at_launch = piece.blood
+        shell.hit = 0
+        shell.cell = cell
+        shell.impact = NO_CELL
+        shell.launch_cells = cells_apart(cells, piece.cell, cell)
+        shell.fired_at = game.tick
+        shell.land_at = game.tick + rules.flight_ticks
+        shell.end_at = game.tick + rules.burst_ticks
+        shell.judged = 0
+        break
+    spend_round(piece, Weapon.MORTAR, rules)
+    piece.mortar_ends = game.tick + rules.mortar_cool_ticks
+    ends = game.tick + rules.cool_ticks
+    piece.cool_ends = ends if piece.cool_ends == NEVER else max(int(piece.cool_ends), ends)
+    piece.hidden = 0
+    note(game, log, Event.MORTAR_FIRED, i, NO_PIECE, cell, 0)
+
+
+@kernel
+def cancel_flying(i: int, rounds: Rows) -> None:
+    """A move order of the owner before landing loses the round."""
+    for r in range(rounds.size):
+        if rounds[r].owner == i and rounds[r].status == ROUND_FLYING:
+            rounds[r].status = ROUND_FREE
+
+
+@kernel
+def observer_class(shell: Row, pieces: Rows, rules: Row, cells: Rows, los: Rows) -> int:
+    """Correction class of a landing: does an own piece see an enemy there, or look there at all?"""
+    best = _NO_OBSERVER
+    for i in range(pieces.size):
+        if pieces[i].camp != shell.camp or not on_map(pieces[i]):
+            continue
+        if not has_line(pieces[i], PieceType.TANK, shell.cell, los):
+            continue
+        for j in range(pieces.size):
+            seen = (np.uint32(pieces[i].sees) >> np.uint32(j)) & _ONE == 1
+            if seen and pieces[j].cell == shell.cell:
+                return _OBSERVER_SEES
+        if cells_apart(cells, pieces[i].cell, shell.cell) <= rules.observer_cells:
+            best = _OBSERVER_LOOKS
+    return best
+
+
+@kernel
+def land_rounds(game: Row, pieces: Rows, rounds: Rows, log: Rows, rules: Row, cells: Rows, los: Rows) -> None:
+    """Rounds whose flight ends with this step: scatter, and judge everybody in the impact cell."""
+    for r in range(rounds.size):
+        shell = rounds[r]
+        if shell.status != ROUND_FLYING or shell.land_at > game.tick + 1:
+            continue
+        _scatter(shell, game, pieces, rules, cells, los)
+        note(game, log, Event.MORTAR_LANDED, shell.owner, NO_PIECE, shell.impact, shell.hit)
+        for i in range(pieces.size):
+            if stands_in(pieces[i], shell.impact):
+                judge(i, shell, game, pieces, log, rules, cells)
+
+
+@kernel
+def _scatter(shell: Row, game: Row, pieces: Rows, rules: Row, cells: Rows, los: Rows) -> None:
+    owner = pieces[shell.owner]
+    column = clamp((shell.launch_cells - 1) // 20, 0, 3)
+    roll = two_dice(game, game.tick, Dice.SCATTER, owner, owner, 0)
+    away = int(rules.scatter[observer_class(shell, pieces, rules, cells, los), roll, column])
+    shell.status = ROUND_BURSTING
+    shell.hit = 1 if away == SCATTER_HIT else 0
+    shell.impact = shell.cell
+    face = die(game, game.tick, Dice.SCATTER_DIRECTION, owner, owner, 0)
+    direction = frame_direction(face - 1, shell.camp)
+    for _ in range(max(away, 0)):
+        beyond = cells[shell.impact].neighbour[direction]
+        if beyond == NO_CELL:
+            break
+        shell.impact = beyond
+
+
+@kernel
+def judge(i: int, shell: Row, game: Row, pieces: Rows, log: Rows, rules: Row, cells: Rows) -> None:
+    """Throw for one piece in the impact cell, own or enemy; once a burst."""
+    bit = _ONE << np.uint32(i)
+    if np.uint32(shell.judged) & bit != 0:
+        return
+    shell.judged |= bit
+    piece = pieces[i]
+    owner = pieces[shell.owner]
+    roll = two_dice(game, game.tick, Dice.INDIRECT, owner, piece, 0)
+    raw = int(rules.burst_result[shell.hit, roll])
+    roll2 = die(game, game.tick, Dice.INDIRECT_CORRECTION, owner, piece, 0)
+    mods = burst_mods(piece, shell.blood_at_launch, pieces, rules, cells)
+    corr = int(rules.burst_correction[clamp(roll2 + mods, 0, rules.burst_correction.size - 1)])
+    result = max(NO_EFFECT, raw + corr)
+    add_result(piece, result)
+    note(game, log, Event.MORTAR_JUDGED, shell.owner, i, shell.impact, shell.hit)
+    note_shot(game, log, Weapon.MORTAR, 0, roll, raw, roll2, mods, corr, result, shell.launch_cells)
+
+
+@kernel
+def burst_mods(piece: Row, guns: int, pieces: Rows, rules: Row, cells: Rows) -> int:
+    """Sum of the modifiers for a piece under a burst."""
+    mods = int(rules.burst_armour[rules.armour[piece.kind]])
+    mods += rules.burst_guns[min(guns, rules.burst_guns.size - 1)]
+    if cells[piece.cell].concealed:
+        mods += rules.burst_concealed
+    if piece.hidden:
+        mods += rules.burst_hidden
+    if piece.kind == PieceType.SOLDIER and in_motion(piece):
+        mods += rules.burst_soldier_moving
+    if count_in(pieces, piece.camp, piece.cell) >= 2:
+        mods += rules.burst_stacked
+    return mods
+
+
+@kernel
+def judge_entering(entered: np.uint32, game: Row, pieces: Rows, rounds: Rows, log: Rows, rules: Row, cells: Rows) -> None:
+    """Judge the pieces that came into a bursting cell in this step."""
+    for r in range(rounds.size):
+        if rounds[r].status != ROUND_BURSTING:
+            continue
+        for i in range(pieces.size):
+            came = (entered >> np.uint32(i)) & _ONE == 1
+            if came and stands_in(pieces[i], rounds[r].impact):
+                judge(i, rounds[r], game, pieces, log, rules, cells)

@@ -1,0 +1,157 @@
+"""Movement: hops start, end, wait for room (rule book, sections 4 and 5.6)."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from hexwar_sb3.engine.codes import Event
+from hexwar_sb3.engine.dice import priority
+from hexwar_sb3.engine.events import note
+from hexwar_sb3.engine.mortar import cancel_flying
+from hexwar_sb3.engine.pieces import clear_path, count_in, has_path, hop_need, hop_progress, is_ground, next_cell_of
+from hexwar_sb3.engine.records import NEVER, NO_PIECE
+from hexwar_sb3.kernels import Row, Rows, kernel
+from hexwar_sb3.rules.enums import PieceType
+
+_ONE = np.uint32(1)
+
+
+@kernel
+def begin_move(i: int, order: Row, pieces: Rows, paths: Rows, rounds: Rows) -> None:
+    """Take up a path: cover is lost, a natural stop transition ends, a flying round is lost."""
+    piece = pieces[i]
+    for k in range(int(order.path_len)):
+        paths[i, k] = order.path[k]
+    piece.path_pos = 0
+    piece.path_len = order.path_len
+    piece.arrives_at = NEVER
+    piece.waiting = 0
+    piece.hidden = 0
+    piece.stop_ends = NEVER
+    piece.stop_forced = 0
+    cancel_flying(i, rounds)
+
+
+@kernel
+def begin_stop(piece: Row, tick: int, rules: Row) -> None:
+    """Turn back in the first half of a hop, else finish it; then stand for the transition."""
+    if hop_progress(piece, tick) * 2 >= piece.hop_need and piece.arrives_at != NEVER:
+        piece.path_len = piece.path_pos + 1
+        piece.stop_pending = 1
+        return
+    waited = piece.waiting == 1
+    clear_path(piece)
+    piece.stop_ends = tick + rules.stop_ticks
+    piece.stop_forced = 0 if waited else 1
+
+
+@kernel
+def start_hops(tick: int, game: Row, pieces: Rows, paths: Rows, log: Rows, rules: Row, cells: Rows) -> None:
+    """Let every piece with a path and no hop under way start one in the step of `tick`, or wait for room."""
+    for i in range(pieces.size):
+        piece = pieces[i]
+        if piece.blood == 0 or piece.arrives_at != NEVER or not has_path(piece):
+            continue
+        held = piece.kind == PieceType.SOLDIER and piece.suppressed
+        if held or piece.decompress_ends != NEVER:
+            piece.waiting = 1
+            continue
+        need = hop_need(piece, paths[i, piece.path_pos], rules, cells)
+        if need == 0:
+            clear_path(piece)
+            piece.stop_ends = game.tick + rules.stop_ticks
+            piece.stop_forced = 0
+            note(game, log, Event.PATH_BLOCKED, i, NO_PIECE, piece.cell, 0)
+        elif _is_full(piece, next_cell_of(piece, paths[i], cells), pieces, rules):
+            piece.waiting = 1
+        else:
+            piece.waiting = 0
+            piece.hop_need = need
+            piece.arrives_at = tick + need
+
+
+@kernel
+def _is_full(piece: Row, cell: int, pieces: Rows, rules: Row) -> bool:
+    """No room for one more ground piece of its camp."""
+    return is_ground(piece) and count_in(pieces, piece.camp, cell) >= rules.stack_limit
+
+
+@kernel
+def arrive(game: Row, pieces: Rows, paths: Rows, log: Rows, rules: Row, cells: Rows) -> np.uint32:
+    """End the hops due in this step; bits of the pieces that came into a new cell."""
+    ready = np.uint32(0)
+    for i in range(pieces.size):
+        if pieces[i].arrives_at <= game.tick + 1:
+            ready |= _ONE << np.uint32(i)
+    if ready == 0:
+        return ready
+    arrived = np.uint32(0)
+    for camp in range(2):
+        arrived |= _arrive_camp(camp, ready, game, pieces, paths, log, rules, cells)
+    _wait_outside(ready & ~arrived, pieces)
+    return arrived
+
+
+@kernel
+def _arrive_camp(
+    camp: int, ready: np.uint32, game: Row, pieces: Rows, paths: Rows, log: Rows, rules: Row, cells: Rows
+) -> np.uint32:
+    """Passes over the camp's ready pieces in order of priority until nobody else finds room."""
+    arrived = np.uint32(0)
+    moved = True
+    while moved:
+        moved = False
+        i = _next_in_order(NO_PIECE, camp, ready, game, pieces)
+        while i != NO_PIECE:
+            bit = _ONE << np.uint32(i)
+            if arrived & bit == 0:
+                target = next_cell_of(pieces[i], paths[i], cells)
+                if not _is_full(pieces[i], target, pieces, rules):
+                    _enter(i, target, game, pieces, log, rules)
+                    arrived |= bit
+                    moved = True
+            i = _next_in_order(i, camp, ready, game, pieces)
+        if arrived == ready:
+            break
+    return arrived
+
+
+@kernel
+def _next_in_order(last: int, camp: int, ready: np.uint32, game: Row, pieces: Rows) -> int:
+    """The ready piece of the camp that follows piece `last` in priority; NO_PIECE after the end."""
+    best = NO_PIECE
+    for i in range(pieces.size):
+        if pieces[i].camp != camp or (ready >> np.uint32(i)) & _ONE == 0 or i == last:
+            continue
+        rank = priority(game, game.tick, pieces[i])
+        if last != NO_PIECE and rank <= priority(game, game.tick, pieces[last]):
+            continue
+        if best == NO_PIECE or rank < priority(game, game.tick, pieces[best]):
+            best = i
+    return best
+
+
+@kernel
+def _enter(i: int, cell: int, game: Row, pieces: Rows, log: Rows, rules: Row) -> None:
+    piece = pieces[i]
+    piece.cell = cell
+    piece.arrives_at = NEVER
+    piece.arrived_at = game.tick + 1
+    piece.path_pos += 1
+    if piece.passenger != NO_PIECE:
+        pieces[piece.passenger].cell = cell
+    if not has_path(piece):
+        forced = piece.stop_pending
+        clear_path(piece)
+        piece.stop_ends = game.tick + rules.stop_ticks
+        piece.stop_forced = forced
+    note(game, log, Event.ARRIVED, i, NO_PIECE, cell, 0)
+
+
+@kernel
+def _wait_outside(bits: np.uint32, pieces: Rows) -> None:
+    """Pieces that found no room start their hop again from nothing when there is room."""
+    for i in range(pieces.size):
+        if (bits >> np.uint32(i)) & _ONE == 1:
+            pieces[i].arrives_at = NEVER
+            pieces[i].waiting = 1

@@ -1,0 +1,132 @@
+"""Line of sight, visibility and what each camp remembers (rule book, section 6)."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from hexwar_sb3.engine.pieces import in_motion, next_cell_of, on_map
+from hexwar_sb3.engine.records import NO_CELL
+from hexwar_sb3.kernels import Row, Rows, kernel
+from hexwar_sb3.maps.geometry import cells_apart
+from hexwar_sb3.rules.enums import PieceType
+
+_ONE = np.uint32(1)
+
+
+@kernel
+def line_of_sight(los: Rows, airborne: int, a: int, b: int) -> bool:
+    """Bit of the matrix: airborne ends 0, 1 (then a is the airborne cell) or 2."""
+    return (los[airborne, a, b >> 3] >> (b & 7)) & 1 == 1
+
+
+@kernel
+def has_line(observer: Row, kind: int, cell: int, los: Rows) -> bool:
+    """Line of sight from a piece to a piece of some type in a cell."""
+    if observer.kind == PieceType.AEROCRAFT:
+        return line_of_sight(los, 2 if kind == PieceType.AEROCRAFT else 1, observer.cell, cell)
+    if kind == PieceType.AEROCRAFT:
+        return line_of_sight(los, 1, cell, observer.cell)
+    return line_of_sight(los, 0, observer.cell, cell)
+
+
+@kernel
+def sight_cells(observer: Row, target: Row, rules: Row, cells: Rows) -> int:
+    """Greatest distance at which the observer sees the target, line of sight given."""
+    reach = int(rules.sight[observer.kind, target.kind])
+    airborne = observer.kind == PieceType.AEROCRAFT
+    if target.hidden:
+        lower = airborne or cells[target.cell].elev_m < cells[observer.cell].elev_m
+        if target.kind == PieceType.SOLDIER or not lower:
+            reach = max(1, reach // 2)
+    if cells[target.cell].concealed and target.kind != PieceType.AEROCRAFT:
+        reach = max(1, reach // 2)
+    return reach
+
+
+@kernel
+def sees(observer: Row, target: Row, rules: Row, cells: Rows, los: Rows) -> bool:
+    """Does one piece see one enemy piece?"""
+    if not on_map(observer) or not on_map(target):
+        return False
+    if cells_apart(cells, observer.cell, target.cell) > sight_cells(observer, target, rules, cells):
+        return False
+    return has_line(observer, target.kind, target.cell, los)
+
+
+@kernel
+def look(i: int, j: int, pieces: Rows, rules: Row, cells: Rows, los: Rows) -> None:
+    """Renew the bit "i sees j"."""
+    bit = _ONE << np.uint32(j)
+    if sees(pieces[i], pieces[j], rules, cells, los):
+        pieces[i].sees |= bit
+    else:
+        pieces[i].sees &= ~bit
+
+
+@kernel
+def look_around(changed: np.uint32, pieces: Rows, rules: Row, cells: Rows, los: Rows) -> None:
+    """Renew row and column of every piece in the bit set `changed` (incremental visibility)."""
+    for i in range(pieces.size):
+        if (changed >> np.uint32(i)) & _ONE == 0:
+            continue
+        for j in range(pieces.size):
+            if pieces[j].camp != pieces[i].camp:
+                look(i, j, pieces, rules, cells, los)
+                look(j, i, pieces, rules, cells, los)
+
+
+@kernel
+def look_all(pieces: Rows, rules: Row, cells: Rows, los: Rows) -> None:
+    """Renew every pair: the oracle of the incremental form, and the first look of a game."""
+    for i in range(pieces.size):
+        pieces[i].sees = 0
+        for j in range(pieces.size):
+            if pieces[j].camp != pieces[i].camp:
+                look(i, j, pieces, rules, cells, los)
+
+
+@kernel
+def remember(game: Row, pieces: Rows, memory: Rows, paths: Rows, cells: Rows) -> None:
+    """Bring both camps' memories up to the state of game.tick."""
+    for camp in range(2):
+        union = np.uint32(0)
+        for i in range(pieces.size):
+            if pieces[i].camp == camp:
+                union |= np.uint32(pieces[i].sees)
+        for j in range(pieces.size):
+            if pieces[j].camp == camp:
+                continue
+            lit = game.fog == 0 and on_map(pieces[j])
+            if lit or (union >> np.uint32(j)) & _ONE == 1:
+                _keep_seen(game, camp, pieces[j], memory[camp, j], paths[j], cells)
+            elif memory[camp, j].seen:
+                _lose_sight(game, pieces[j], memory[camp, j])
+
+
+@kernel
+def _keep_seen(game: Row, camp: int, piece: Row, known: Row, path: Rows, cells: Rows) -> None:
+    if known.seen == 0:
+        known.seen = 1
+        known.tick = game.tick
+        known.first_tick = game.tick
+        known.still_since = game.tick
+        game.contact_tick[camp] = game.tick
+    elif known.cell != piece.cell:
+        known.still_since = game.tick
+    known.cell = piece.cell
+    known.next_cell = next_cell_of(piece, path, cells)
+    known.blood = piece.blood
+    known.hidden = piece.hidden
+    known.suppressed = piece.suppressed
+    known.moving = 1 if in_motion(piece) else 0
+
+
+@kernel
+def _lose_sight(game: Row, piece: Row, known: Row) -> None:
+    """Last seen in the state before this one; a death that was watched is known."""
+    known.seen = 0
+    known.next_cell = NO_CELL
+    known.tick = game.tick - 1
+    if piece.blood == 0:
+        known.blood = 0
+        known.tick = game.tick

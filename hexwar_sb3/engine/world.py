@@ -1,0 +1,87 @@
+"""Everything about a game that does not change while it is played."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from hexwar_sb3.kernels import Rows
+from hexwar_sb3.maps.files import load_scenario
+from hexwar_sb3.maps.scenario import Scenario
+from hexwar_sb3.maps.terrain import Terrain
+from hexwar_sb3.rules import RuleSet, default_rules
+from hexwar_sb3.rules.enums import Camp
+
+
+@dataclass(frozen=True, eq=False)
+class World:
+    """A scenario under a rule set, with the tables that kernels read."""
+
+    scenario: Scenario
+    ruleset: RuleSet
+    terrain: Terrain
+
+    @cached_property
+    def rules(self) -> Rows:
+        """Compiled rules, one record [1]."""
+        return self.ruleset.compiled()
+
+    @cached_property
+    def cells(self) -> Rows:
+        """Records CELL [NC]."""
+        return self.terrain.cells
+
+    @cached_property
+    def los(self) -> npt.NDArray[np.uint8]:
+        """Line-of-sight bits [airborne ends, a, b // 8]."""
+        return self.terrain.los
+
+    @cached_property
+    def eta(self) -> npt.NDArray[np.uint8]:
+        """Travel times in base hops [hop class, target, cell]."""
+        return self.terrain.eta
+
+    @cached_property
+    def tables(self) -> tuple[Any, ...]:
+        """(rules, cells, los): the last arguments of the engine's kernels."""
+        return self.rules[0], self.cells, self.los
+
+    @property
+    def n_pieces(self) -> int:
+        """Pieces of both camps."""
+        return len(self.scenario.pieces)
+
+    def side(self, camp: int) -> slice:
+        """Indices of a camp's pieces; red's come first."""
+        n_red = sum(piece.camp == Camp.RED for piece in self.scenario.pieces)
+        return slice(0, n_red) if camp == Camp.RED else slice(n_red, self.n_pieces)
+
+    def piece_names(self, camp: int) -> tuple[str, ...]:
+        """Names of a camp's pieces in slot order: "tank0", ..."""
+        return tuple(piece.name for piece in self.scenario.pieces[self.side(camp)])
+
+
+def load_world(scenario: str | Path | Scenario, ruleset: RuleSet | None = None) -> World:
+    """The world of a scenario by name, file or object.
+
+    Raises:
+        UnknownNameError: no such scenario.
+        ScenarioFileError: a broken file.
+    """
+    if isinstance(scenario, Scenario):
+        return _world(scenario, ruleset or default_rules())
+    return _named_world(str(scenario), ruleset or default_rules())
+
+
+@lru_cache(maxsize=8)
+def _named_world(name: str, ruleset: RuleSet) -> World:
+    return _world(load_scenario(name), ruleset)
+
+
+def _world(scenario: Scenario, ruleset: RuleSet) -> World:
+    return World(scenario, ruleset, Terrain(scenario.hexmap, ruleset))

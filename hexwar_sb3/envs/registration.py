@@ -1,0 +1,48 @@
+"""Ids of the envs, and the way to make many games of one."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import gymnasium
+
+from hexwar_sb3.envs.settings import TaskSettings
+from hexwar_sb3.errors import UnknownNameError
+
+if TYPE_CHECKING:
+    from stable_baselines3.common.vec_env import VecMonitor
+
+TASK_ENV = "HexWarTask-v0"
+_ENTRY_POINTS = {TASK_ENV: "hexwar_sb3.envs.task_env:TaskEnv"}
+
+
+def register_envs() -> None:
+    """Tell Gymnasium the ids of our envs (once)."""
+    for env_id, entry_point in _ENTRY_POINTS.items():
+        if env_id not in gymnasium.registry:
+            gymnasium.register(env_id, entry_point=entry_point)
+
+
+def make_vec_env(env_id: str = TASK_ENV, n_envs: int = 1, seed: int = 0, **settings: Any) -> VecMonitor:
+    """Make the native VecEnv of an id, monitored.
+
+    Args:
+        env_id: "HexWarTask-v0".
+        n_envs: games that are stepped together.
+        seed: of the episodes; episode k is the same game with any `n_envs`.
+        settings: of the env, see `TaskSettings`.
+
+    Raises:
+        UnknownNameError: no such env, scenario, opponent or choice.
+        ConfigError: a setting is out of its range.
+
+    Example:
+        >>> env = make_vec_env("HexWarTask-v0", n_envs=16, opponent=[("MA1", 2), ("MA2", 1)])
+    """
+    from stable_baselines3.common.vec_env import VecMonitor  # torch: only where it is needed
+
+    from hexwar_sb3.envs.task_vec_env import TaskVecEnv
+
+    if env_id not in _ENTRY_POINTS:
+        raise UnknownNameError("env", env_id, _ENTRY_POINTS)
+    return VecMonitor(TaskVecEnv(n_envs, TaskSettings(**settings), seed))

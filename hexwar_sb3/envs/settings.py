@@ -1,0 +1,67 @@
+"""Settings of the task env, checked once."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from hexwar_sb3.errors import ConfigError, UnknownNameError
+from hexwar_sb3.maps.scenario import Scenario
+from hexwar_sb3.play.records import DECISION_TICKS
+
+SIDES = ("red", "blue", "both")
+REWARDS = ("paper", "net")
+DECISIONS = ("fixed", "event")
+DTYPES = ("float32", "float16")
+
+
+@dataclass(frozen=True, kw_only=True)
+class TaskSettings:
+    """What `HexWarTask-v0` can be told; every value is checked here."""
+
+    scenario: str | Path | Scenario = "plain"  # name, file or object
+    side: str = "red"  # the learner's camp; "both": red in even episodes, blue in odd ones
+    opponent: object = "MA1"  # a player, a list of them, or a list of (player, weight)
+    decision_ticks: int = DECISION_TICKS  # Delta-t, ticks
+    decisions: str = "fixed"  # "event": also after an own loss or an ended task
+    reward: str = "paper"  # margin by eq. (1); "net": own minus enemy, without green
+    fog: bool = True  # False: lights on, for debugging
+    privileged_state: bool = False  # adds "state", the truth, for a mixer in training
+    warm_start: float = 0.0  # share of episodes that begin near the hot spots (III-C), 0..1
+    demo_bot: str | None = None  # plays the learner's seat in a share of the episodes
+    demo_share: float = 0.0  # 0..1
+    dtype: str = "float32"  # of the observations; or "float16"
+
+    def __post_init__(self) -> None:
+        """Check the ranges.
+
+        Raises:
+            ConfigError: a setting is out of its range.
+            UnknownNameError: a choice that does not exist.
+        """
+        _check_choice("side", self.side, SIDES)
+        _check_choice("reward", self.reward, REWARDS)
+        _check_choice("decisions", self.decisions, DECISIONS)
+        _check_choice("dtype", self.dtype, DTYPES)
+        check_share("warm_start", self.warm_start)
+        check_share("demo_share", self.demo_share)
+        if isinstance(self.decision_ticks, bool) or not isinstance(self.decision_ticks, int) or self.decision_ticks < 1:
+            raise ConfigError(f"decision_ticks must be an integer >= 1, got {self.decision_ticks!r}")
+        if self.demo_share > 0 and self.demo_bot is None:
+            raise ConfigError("demo_share needs a demo_bot, for example demo_bot='MA1'")
+
+
+def _check_choice(setting: str, value: str, choices: tuple[str, ...]) -> None:
+    if value not in choices:
+        raise UnknownNameError(setting, str(value), choices)
+
+
+def check_share(setting: str, value: float) -> float:
+    """Return a share of episodes.
+
+    Raises:
+        ConfigError: it is not in 0..1.
+    """
+    if not 0.0 <= value <= 1.0:
+        raise ConfigError(f"{setting} must be in 0..1, got {value!r}")
+    return float(value)

@@ -1,0 +1,204 @@
+"""The core of the task env: n games, each seen and commanded by the learner's camp."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from gymnasium import spaces
+from numpy.typing import NDArray
+
+from hexwar_sb3.engine.roster import camp_name, enemy_of, parse_camp
+from hexwar_sb3.engine.world import load_world
+from hexwar_sb3.envs.settings import TaskSettings
+from hexwar_sb3.errors import ConfigError
+from hexwar_sb3.play.arena import Arena, Games, Setup, Snapshot
+from hexwar_sb3.play.look import Sight
+from hexwar_sb3.play.player import BotPlayer, Seat, make_mixture, make_player
+from hexwar_sb3.play.seeds import check_seed, episode_draw, game_seed
+from hexwar_sb3.rules.enums import Camp
+from hexwar_sb3.tasks.records import MAX_TASKS
+
+Obs = dict[str, NDArray[Any]]
+
+_DEMO_STREAM = 2  # of an episode's draws; 1 is the opponent's
+
+
+@dataclass(frozen=True)
+class Span:
+    """What one decision led to, a row a game."""
+
+    reward: NDArray[np.float32]  # gain of the margin, eq. (3), points [n]
+    over: NDArray[np.bool_]  # [n]
+    ticks: NDArray[np.int64]  # length [n]
+    illegal: NDArray[np.int64]  # actions that named no valid task [n]
+    demo: dict[int, NDArray[np.int64]]  # game -> task indices of the bot in the learner's seat [N]
+
+
+class TaskGames:
+    """Batch of games for one learner; episode k of a seed is the same game in any slot.
+
+    Observations lie in two sets of buffers that take turns: one stays as it is until the step after
+    the next.
+    """
+
+    def __init__(self, n_games: int, settings: TaskSettings, seed: int = 0) -> None:
+        if n_games < 1:
+            raise ConfigError(f"n_envs must be >= 1, got {n_games}")
+        self.settings, self.n_games = settings, n_games
+        self.mixture = make_mixture(settings.opponent)
+        self.demo_bot = None if settings.demo_bot is None else make_player(settings.demo_bot)
+        self.demo_share = settings.demo_share
+        self.arena = Arena(load_world(settings.scenario), n_games, _setup(settings))
+        self.all = np.arange(n_games)
+        self.camps = np.zeros(n_games, np.int64)  # the learner's [n]
+        self.episodes = np.full(n_games, -1)  # number of the episode in each slot [n]
+        self.opponents = np.zeros(n_games, np.int64)  # index in the mixture [n]
+        self.demos = np.zeros(n_games, np.bool_)  # the demo bot holds the learner's seat [n]
+        self._sights = self._new_sight(), self._new_sight()
+        self.seed(seed)
+
+    def seed(self, seed: int) -> None:
+        """Count episodes from 0 again, under another seed."""
+        self._seed, self._next_episode, self._turn = check_seed(seed), 0, 0
+
+    @property
+    def sight(self) -> Sight:
+        """The buffers that hold the present observation."""
+        return self._sights[self._turn]
+
+    def begin(self, which: Games) -> None:
+        """Start the next episodes in these slots."""
+        for b in which:
+            episode, self._next_episode = self._next_episode, self._next_episode + 1
+            self.episodes[b] = episode
+            self.camps[b] = self._camp_of(episode)
+            self.opponents[b] = self.mixture.draw(self._seed, episode)
+            draw = episode_draw(self._seed, episode, _DEMO_STREAM).random()
+            self.demos[b] = self.demo_bot is not None and draw < self.demo_share
+            self.arena.begin(int(b), game_seed(self._seed, episode), *self._seats(b))
+            self.arena.drives[b].asked[self.camps[b]] = 1
+
+    def look(self, which: Games) -> Obs:
+        """Fill the present buffers for these games; the observation of all of them."""
+        self.arena.look(which, which, self.camps[which], self.sight)
+        return self.sight.obs
+
+    def turn(self) -> None:
+        """Let the other set of buffers be the present one."""
+        self._turn = 1 - self._turn
+
+    def play(self, actions: NDArray[Any]) -> Span:
+        """Play one decision: give the tasks, advance to the learner's next decision or the end.
+
+        Args:
+            actions: task indices [n, N].
+        """
+        before, start = self.margins(), self.arena.state.games.tick.astype(np.int64)
+        shown, learns = self.all[self.demos], self.all[~self.demos]
+        illegal = np.zeros(self.n_games, np.int64)
+        illegal[learns] = self.arena.choose(learns, learns, self.camps[learns], actions[learns], self.sight)
+        demo = self._show(shown)
+        self._advance(self.all)
+        return Span(
+            reward=(self.margins() - before).astype(np.float32),
+            over=self.arena.over(self.all),
+            ticks=self.arena.state.games.tick - start,
+            illegal=illegal,
+            demo=demo,
+        )
+
+    def outcome(self, b: int) -> dict[str, Any]:
+        """What the last info of an episode says."""
+        row, camps = np.array([b]), self.camps[[b]]
+        return {
+            "margin": float(self.arena.margins(row, camps)[0]),
+            "win": float(self.arena.wins(row, camps)[0]),
+            "points_held": self.arena.points_held(b, int(camps[0])),
+            "side": camp_name(int(camps[0])),
+            "opponent": _label(self.mixture.players[self.opponents[b]]),
+        }
+
+    def margins(self) -> NDArray[np.int64]:
+        """The learner's true margin in every game, points [n]."""
+        return self.arena.margins(self.all, self.camps)
+
+    def snapshot(self) -> Snapshot:
+        """Everything that changes in play, as arrays without objects."""
+        counters = np.array([self._seed, self._next_episode], np.int64)
+        return {**self.arena.snapshot(), **self._slots(), "counters": counters}
+
+    def restore(self, snapshot: Snapshot) -> Obs:
+        """Go on where `snapshot` was taken, in an env of the same settings; the observation there."""
+        for name, array in self._slots().items():
+            array[...] = snapshot[name]
+        self._seed, self._next_episode = (int(n) for n in snapshot["counters"])
+        for b in self.all:
+            for camp, seat in enumerate(self._seats(b)):
+                self.arena.sit(int(b), camp, seat)
+        self.arena.restore(snapshot)
+        return self.look(self.all)
+
+    def _slots(self) -> Snapshot:
+        return {"camps": self.camps, "episodes": self.episodes, "opponents": self.opponents, "demos": self.demos}
+
+    def _camp_of(self, episode: int) -> Camp:
+        if self.settings.side == "both":
+            return (Camp.RED, Camp.BLUE)[episode % 2]
+        return parse_camp(self.settings.side)
+
+    def _seats(self, b: int) -> tuple[Seat | None, Seat | None]:
+        own = self.demo_bot if self.demos[b] else None
+        other = self.mixture.players[self.opponents[b]]
+        return (own, other) if self.camps[b] == Camp.RED else (other, own)
+
+    def _advance(self, which: Games) -> None:
+        """Play on until the learner is due or the game is over, asking the opponents meanwhile."""
+        while which.size:
+            self.arena.ask(which)
+            self.arena.advance(which)
+            waiting = ~self.arena.due(which, self.camps[which]) & ~self.arena.over(which)
+            which = which[waiting]
+
+    def _show(self, shown: Games) -> dict[int, NDArray[np.int64]]:
+        """Let the demo bot think, and read its plans as task indices of what was observed."""
+        return {}
+
+    def _new_sight(self) -> Sight:
+        camp = Camp.BLUE if self.settings.side == "blue" else Camp.RED
+        world = self.arena.world
+        if self.settings.side == "both" and len(world.piece_names(camp)) != len(world.piece_names(enemy_of(camp))):
+            raise ConfigError("side='both' needs equally many pieces in both camps")
+        return Sight(
+            world, camp, self.n_games, dtype=self.settings.dtype, with_state=self.settings.privileged_state
+        )
+
+
+def _setup(settings: TaskSettings) -> Setup:
+    return Setup(
+        decision_ticks=(settings.decision_ticks, settings.decision_ticks),
+        early=settings.decisions == "event",
+        net_score=settings.reward == "net",
+        fog=settings.fog,
+    )
+
+
+def _label(seat: Seat) -> str:
+    return seat.name if isinstance(seat, BotPlayer) else type(seat).__name__
+
+
+def observation_space(sight: Sight) -> spaces.Dict:
+    """Space of one game's observation; a slot of the buffers is an element of it."""
+    return spaces.Dict({key: _box(key, value[0]) for key, value in sight.obs.items()})
+
+
+def _box(key: str, sample: NDArray[Any]) -> spaces.Box:
+    low, high = (0, 1) if key in ("action_mask", "alive") else (-np.inf, np.inf)
+    return spaces.Box(low, high, sample.shape, sample.dtype.type)
+
+
+def action_space(sight: Sight) -> spaces.MultiDiscrete:
+    """A task index for every piece."""
+    n_own = sight.rows.shape[1]
+    return spaces.MultiDiscrete([MAX_TASKS] * n_own)

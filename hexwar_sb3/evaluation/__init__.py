@@ -1,0 +1,1 @@
+"""Matches between players, with intervals (how results are counted)."""

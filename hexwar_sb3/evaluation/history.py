@@ -1,0 +1,62 @@
+"""The evaluations of a training run: what was reached after how many steps."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from hexwar_sb3.errors import FileFormatError
+from hexwar_sb3.evaluation.panel import Panel
+from hexwar_sb3.evaluation.results import CampResult
+from hexwar_sb3.files import replacing
+
+KEYS = ("timesteps", "results", "successes", "points_held")
+
+
+@dataclass
+class History:
+    """Evaluations in the order in which they were made; the same number of games each time.
+
+    The file has the keys of Stable-Baselines3's `evaluations.npz`: `timesteps` [evaluation],
+    `results` (margins) and `successes` (1, 0.5, 0) [evaluation, game]; and `points_held`.
+    """
+
+    timesteps: list[int] = field(default_factory=list)
+    results: list[CampResult] = field(default_factory=list)
+
+    def add(self, timesteps: int, panel: Panel) -> CampResult:
+        """Append the games of a panel and return them, joined."""
+        self.timesteps.append(timesteps)
+        self.results.append(panel.total)
+        return panel.total
+
+    def save(self, path: Path) -> None:
+        """Write the file, whole or not at all."""
+        with replacing(path) as temporary:
+            np.savez_compressed(
+                temporary,
+                timesteps=np.array(self.timesteps),
+                results=np.array([result.margins for result in self.results]),
+                successes=np.array([result.scores for result in self.results]),
+                points_held=np.array([result.points_held for result in self.results]),
+            )
+
+    @classmethod
+    def load(cls, path: Path, until: int | None = None) -> History:
+        """Read the file; `until` leaves out what was evaluated after that many steps.
+
+        Raises:
+            FileFormatError: the file is not one of ours.
+        """
+        try:
+            with np.load(path, allow_pickle=False) as data:
+                timesteps, margins, scores, points = (data[key] for key in KEYS)
+        except (OSError, ValueError, KeyError, EOFError) as error:
+            raise FileFormatError(path, "file", found=str(error), expected=f"arrays {KEYS}") from error
+        rows = [i for i, step in enumerate(timesteps) if until is None or step <= until]
+        return cls(
+            [int(timesteps[i]) for i in rows],
+            [CampResult(scores[i], margins[i], points[i]) for i in rows],
+        )

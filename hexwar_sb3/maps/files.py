@@ -1,0 +1,91 @@
+"""Maps and scenarios by name or path. Nothing is half loaded; a file is replaced whole or not at all."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+from hexwar_sb3.errors import MapFileError, ScenarioFileError, UnknownNameError
+from hexwar_sb3.files import replacing
+from hexwar_sb3.maps.document import Document
+from hexwar_sb3.maps.hexmap import HexMap
+from hexwar_sb3.maps.map_file import map_document, map_from
+from hexwar_sb3.maps.scenario import Scenario
+from hexwar_sb3.maps.scenario_file import scenario_document, scenario_from
+
+BUILTIN = Path(__file__).parent / "builtin"
+
+
+def builtin_names() -> list[str]:
+    """Names of the built-in maps; each has a scenario of the same name."""
+    return sorted(path.name.removesuffix(".map.json") for path in BUILTIN.glob("*.map.json"))
+
+
+def load_map(name_or_path: str | Path) -> HexMap:
+    """A built-in map by its name, or a map file by its path, which ends in ".json".
+
+    Raises:
+        UnknownNameError: no built-in map has this name.
+        MapFileError: the file cannot be used; it says where and why.
+    """
+    return map_from(Document.read(_find("map", name_or_path), MapFileError))
+
+
+def load_scenario(name_or_path: str | Path) -> Scenario:
+    """A built-in scenario by its name, or a scenario file by its path, which ends in ".json".
+
+    The map that it names is a built-in one or a file in the same folder.
+
+    Raises:
+        UnknownNameError: no built-in scenario has this name.
+        ScenarioFileError: the file cannot be used; it says where and why.
+        MapFileError: the same of its map.
+    """
+    path = _find("scenario", name_or_path)
+    return _scenario_in(Document.read(path, ScenarioFileError), path.parent)
+
+
+def map_from_document(data: object, source: str) -> HexMap:
+    """The map that `map_document` described; `source` names it in messages."""
+    return map_from(Document(data, source, MapFileError))
+
+
+def scenario_from_document(data: object, source: str) -> Scenario:
+    """The scenario that `scenario_document` described; `source` names it in messages."""
+    return _scenario_in(Document(data, source, ScenarioFileError), BUILTIN)
+
+
+def save_map(hexmap: HexMap, path: str | Path) -> None:
+    """Write a map file."""
+    _write(Path(path), map_document(hexmap))
+
+
+def save_scenario(scenario: Scenario, path: str | Path, map_name: str | None = None) -> None:
+    """Write a scenario file that names its map, or holds it if `map_name` is None."""
+    _write(Path(path), scenario_document(scenario, map_name))
+
+
+def _find(kind: str, name_or_path: str | Path) -> Path:
+    if isinstance(name_or_path, Path) or name_or_path.endswith(".json"):
+        return Path(name_or_path)
+    if name_or_path not in builtin_names():
+        raise UnknownNameError(kind, name_or_path, builtin_names())
+    return BUILTIN / f"{name_or_path}.{kind}.json"
+
+
+def _scenario_in(document: Document, folder: Path) -> Scenario:
+    def find_map(name: str) -> HexMap:
+        if Path(name).name != name:
+            document.fail(document.at("map"), repr(name), "a file in the scenario's own folder")
+        try:
+            return load_map(folder / name if name.endswith(".json") else name)
+        except UnknownNameError as problem:
+            document.fail(document.at("map"), repr(name), problem.message)
+
+    return scenario_from(document, find_map)
+
+
+def _write(path: Path, document: dict[str, Any]) -> None:
+    with replacing(path) as temporary:
+        temporary.write_text(json.dumps(document, indent=1) + "\n", encoding="utf-8")

@@ -1,0 +1,250 @@
+"""Mirror-symmetric maps from a seed (rule book, section 1)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import numpy as np
+
+from hexwar_sb3.maps.geometry import Bools
+from hexwar_sb3.maps.hexmap import HexMap
+from hexwar_sb3.maps.landscape import NEVER_HERE, Canvas, Field, highest
+from hexwar_sb3.maps.scenario import ControlPoint, PieceStart, Scenario
+from hexwar_sb3.rules.enums import Camp, PieceType
+
+Place: TypeAlias = tuple[int, int]  # x, y
+
+WIDTH, HEIGHT = 71, 70
+GRADE_M = 10
+GAME_TICKS = 1800
+POINTS = {"main": ((35, 34), 80), "secondary": ((35, 46), 50)}  # place, value in points
+STARTS = {  # red's; blue's are the mirror images
+    "tank0": (10, 34),
+    "tank1": (10, 44),
+    "chariot0": (9, 36),
+    "chariot1": (9, 42),
+    "soldier0": (9, 36),
+    "soldier1": (9, 42),
+    "aerocraft0": (8, 40),
+}
+HOMES = {"soldier0": "chariot0", "soldier1": "chariot1"}
+
+
+@dataclass(frozen=True, kw_only=True)
+class MapPlan:
+    """What a map is to be like; places are in its western half."""
+
+    name: str
+    seed: int
+    relief_m: int  # highest altitude; the lowest is 0
+    swell_cells: float  # wavelength of the large forms
+    ridges: float  # 0: rolling ground, 1: ridges and valleys
+    roughness: float  # share of the small forms
+    concealed: float  # share of the playable cells
+    slushy: float  # share of the playable cells
+    fields: float = 0.0  # 0: marsh along the streams, 1: flooded fields between dykes
+    forest_cells: float = 9.0  # wavelength of the forests
+    forest_height: float = 0.0  # how much more forest high ground has than low ground
+    roads: tuple[tuple[Place, ...], ...]
+    villages: tuple[Place, ...] = ()
+    streams: tuple[tuple[Place, ...], ...]
+    lakes: tuple[tuple[Place, tuple[int, int, int]], ...]  # centre, reach in each cube coordinate
+
+
+PLANS = {
+    plan.name: plan
+    for plan in (
+        MapPlan(
+            name="plain",
+            seed=1,
+            relief_m=60,
+            swell_cells=20,
+            ridges=0.2,
+            roughness=0.35,
+            concealed=0.15,
+            slushy=0.08,
+            roads=(((0, 38), (14, 38), (35, 34)),),
+            villages=((18, 37),),
+            streams=(((16, 0), (20, 69)),),
+            lakes=(((22, 20), (3, 2, 3)), ((17, 58), (2, 2, 3))),
+        ),
+        MapPlan(
+            name="hills",
+            seed=2,
+            relief_m=300,
+            swell_cells=20,
+            ridges=0.8,
+            roughness=0.25,
+            concealed=0.30,
+            slushy=0.05,
+            forest_height=0.5,
+            roads=(((0, 32), (14, 33), (35, 34)), ((0, 48), (16, 48), (35, 46))),
+            villages=((22, 33), (20, 48)),
+            streams=(((22, 0), (24, 69)),),
+            lakes=(((24, 16), (2, 2, 3)), ((25, 60), (2, 2, 2))),
+        ),
+        MapPlan(
+            name="paddy",
+            seed=3,
+            relief_m=40,
+            swell_cells=24,
+            ridges=0.0,
+            roughness=0.2,
+            concealed=0.12,
+            slushy=0.30,
+            fields=1.0,
+            forest_cells=6.0,
+            roads=(((0, 40), (16, 42), (35, 46)),),
+            villages=((16, 42), (27, 45)),
+            streams=(((14, 0), (18, 69)),),
+            lakes=(((24, 12), (3, 2, 3)), ((12, 60), (3, 2, 3))),
+        ),
+    )
+}
+
+
+def generate(plan: MapPlan) -> HexMap:
+    """The map of a plan; the same plan gives the same map."""
+    canvas = Canvas(WIDTH, HEIGHT, np.random.default_rng(plan.seed))
+    lakes = _lakes(canvas, plan)
+    height = _relief(canvas, plan, lakes)
+    streams = _streams(canvas, plan, height)
+    height = _carved(canvas, height, streams | lakes)
+    elev_m = _quantised(canvas, plan, height, lakes)
+    roads = _roads(canvas, plan, elev_m, lakes)
+    open_ground = canvas.playable & ~lakes & ~roads & ~_clearings(canvas)
+    slushy = _slushy(canvas, plan, elev_m, streams & ~lakes, lakes, open_ground)
+    concealed = _concealed(canvas, plan, elev_m, roads, open_ground & ~slushy)
+    return HexMap(
+        name=plan.name,
+        grade_m=GRADE_M,
+        elev_m=elev_m,
+        passable=canvas.playable & ~lakes,
+        paved=roads,
+        concealed=concealed,
+        slushy=slushy,
+        controllable=canvas.both_sides([canvas.cell(*place) for place, _ in POINTS.values()]),
+        seed=plan.seed,
+    )
+
+
+def standard_scenario(hexmap: HexMap) -> Scenario:
+    """The default start of the rule book, seven pieces a side."""
+    pieces = tuple(_piece(hexmap, camp, name) for camp in (Camp.RED, Camp.BLUE) for name in STARTS)
+    points = tuple(
+        ControlPoint(name=name, cell=y * hexmap.width + x, value=value)
+        for name, ((x, y), value) in POINTS.items()
+    )
+    return Scenario(
+        name=hexmap.name, hexmap=hexmap, pieces=pieces, points=points, game_ticks=GAME_TICKS
+    )
+
+
+def _piece(hexmap: HexMap, camp: Camp, name: str) -> PieceStart:
+    x, y = STARTS[name]
+    if camp == Camp.BLUE:
+        x = hexmap.width - 1 - (y & 1) - x
+    return PieceStart(
+        camp=camp,
+        name=name,
+        kind=PieceType[name[:-1].upper()],
+        cell=y * hexmap.width + x,
+        home=HOMES.get(name),
+        aboard=name in HOMES,
+    )
+
+
+def _clearings(canvas: Canvas) -> Bools:
+    """Control points with their neighbours, and the start cells [y, x]."""
+    marks = canvas.both_sides([canvas.cell(*place) for place in STARTS.values()])
+    for place, _ in POINTS.values():
+        marks |= canvas.disc(canvas.cell(*place), 1)
+    return marks
+
+
+def _lakes(canvas: Canvas, plan: MapPlan) -> Bools:
+    marks = np.zeros(canvas.playable.shape, np.bool_)
+    for place, reach in plan.lakes:
+        patch = canvas.hexagon(canvas.cell(*place), reach)
+        marks |= canvas.both_sides(np.flatnonzero(patch).tolist())
+    return marks
+
+
+def _relief(canvas: Canvas, plan: MapPlan, lakes: Bools) -> Field:
+    """Heights about 0..1, before anything is dug [y, x]."""
+    rolling = canvas.noise(plan.swell_cells) / 2
+    ridge = 1 - 2 * abs(canvas.noise(plan.swell_cells))
+    height = rolling * (1 - plan.ridges) + ridge / 2 * plan.ridges
+    height += plan.roughness * canvas.noise(plan.swell_cells / 2.5) / 2
+    low, high = np.quantile(height[canvas.playable], (0.01, 0.99))
+    return np.clip((height - low) / (high - low), 0, 1)
+
+
+def _streams(canvas: Canvas, plan: MapPlan, height: Field) -> Bools:
+    cost = 0.1 + height**2 + 0.3 * abs(canvas.noise(5))
+    cost[canvas.east > -4] = NEVER_HERE
+    cells: list[int] = []
+    for stops in plan.streams:
+        cells += canvas.way_through([canvas.cell(*stop) for stop in stops], cost)
+    return canvas.both_sides(cells)
+
+
+def _carved(canvas: Canvas, height: Field, water: Bools) -> Field:
+    """Heights with a valley along the water, and level ground around the control points."""
+    valley = np.exp(-canvas.distance(water) / 2.5)
+    height = height * (1 - 0.8 * valley)
+    for place, _ in POINTS.values():
+        cell = canvas.cell(*place)
+        apart = canvas.distance(canvas.disc(cell, 1))
+        level = height.flat[cell]
+        height = height + (level - height) * np.exp(-((apart / 2) ** 2))
+    return height
+
+
+def _quantised(canvas: Canvas, plan: MapPlan, height: Field, lakes: Bools) -> np.ndarray:
+    levels = np.rint(height * plan.relief_m / GRADE_M)
+    for place, reach in plan.lakes:
+        patch = canvas.hexagon(canvas.cell(*place), reach)
+        patch = canvas.both_sides(np.flatnonzero(patch).tolist())
+        levels[patch] = levels[patch].min()
+    return np.where(canvas.playable, levels * GRADE_M, 0).astype(np.int16)
+
+
+def _roads(canvas: Canvas, plan: MapPlan, elev_m: np.ndarray, lakes: Bools) -> Bools:
+    steep = _steepness(canvas, elev_m)
+    cost = 1 + 0.6 * steep + 0.5 * abs(canvas.noise(6))
+    cost[lakes | ~canvas.playable | (canvas.east > 0)] = NEVER_HERE
+    cells: list[int] = []
+    for stops in plan.roads:
+        cells += canvas.way_through([canvas.cell(*stop) for stop in stops], cost)
+    return canvas.both_sides(cells)
+
+
+def _steepness(canvas: Canvas, elev_m: np.ndarray) -> Field:
+    """Levels to the steepest neighbour [y, x]."""
+    levels = elev_m.ravel() / GRADE_M
+    climb = np.where(canvas.neighbours < 0, 0, abs(levels[canvas.neighbours] - levels[:, None]))
+    return climb.max(axis=1).reshape(elev_m.shape)
+
+
+def _slushy(
+    canvas: Canvas, plan: MapPlan, elev_m: np.ndarray, streams: Bools, lakes: Bools, allowed: Bools
+) -> Bools:
+    count = round(plan.slushy * canvas.playable.sum())
+    wet = 2 * np.exp(-canvas.distance(streams | lakes) / 3) - elev_m / plan.relief_m
+    score = wet + 0.5 * canvas.noise(6) + 10 * streams
+    return highest(score, allowed, count)
+
+
+def _concealed(
+    canvas: Canvas, plan: MapPlan, elev_m: np.ndarray, roads: Bools, allowed: Bools
+) -> Bools:
+    villages = np.zeros(roads.shape, np.bool_)
+    for place in plan.villages:
+        patch = canvas.disc(canvas.cell(*place), 1)
+        villages |= canvas.both_sides(np.flatnonzero(patch).tolist()) & (roads | allowed)
+    count = round(plan.concealed * canvas.playable.sum()) - int(villages.sum())
+    score = canvas.noise(plan.forest_cells) + plan.forest_height * elev_m / plan.relief_m
+    score += 0.3 * canvas.noise(3)
+    return villages | highest(score, allowed & ~villages, count)

@@ -1,0 +1,126 @@
+"""Geometry of the offset grid "odd-r", pointy top (rule book, section 1).
+
+A cell is the index y * width + x. Odd rows are one cell shorter: their last column is void, so
+that the mirror map, x -> width - 1 - x (even y) or width - 2 - x (odd y), is a symmetry of the
+lattice. Users see a cell as four digits, column then row, counted from 1: "0912" is x = 8, y = 11.
+"""
+
+from __future__ import annotations
+
+import re
+from typing import NewType, TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+from hexwar_sb3.errors import ConfigError
+from hexwar_sb3.kernels import Rows, kernel
+from hexwar_sb3.maps.cells import NO_CELL
+from hexwar_sb3.rules.enums import Camp
+
+Cell = NewType("Cell", int)
+Ints: TypeAlias = npt.NDArray[np.int64]
+Bools: TypeAlias = npt.NDArray[np.bool_]
+
+W, SW, SE, E, NE, NW = range(6)
+DIRECTION_NAMES = ("W", "SW", "SE", "E", "NE", "NW")
+MIRROR_DIRECTION = (E, SE, SW, W, NW, NE)
+NO_DIRECTION = -1
+MAX_SIDE_CELLS = 99  # a name has two digits for each of column and row
+MIN_SIDE_CELLS = 3
+
+_STEP_Q = np.array([-1, -1, 0, 1, 1, 0])  # cube coordinates of the six neighbours
+_STEP_R = np.array([0, 1, 1, 0, -1, -1])
+
+
+def cell_name(cell: int, width: int) -> str:
+    """Four digits, column then row, counted from 1."""
+    y, x = divmod(cell, width)
+    return f"{x + 1:02d}{y + 1:02d}"
+
+
+def parse_cell(name: str, width: int, height: int) -> Cell:
+    """The cell that `cell_name` printed.
+
+    Raises:
+        ConfigError: not four digits, or no playable cell of this map.
+    """
+    if not re.fullmatch(r"[0-9]{4}", name):
+        raise ConfigError(f"cell {name!r}: expected four digits, column then row, as in \"0912\"")
+    x, y = int(name[:2]) - 1, int(name[2:]) - 1
+    if not (0 <= y < height and 0 <= x < row_cells(y, width)):
+        raise ConfigError(f"cell {name!r} is off the map: {_extent(width, height)}")
+    return Cell(y * width + x)
+
+
+def row_cells(y: int, width: int) -> int:
+    """Playable cells in row y."""
+    return width - (y & 1)
+
+
+def playable_mask(width: int, height: int) -> Bools:
+    """True on every cell that is not void [y, x]."""
+    mask = np.ones((height, width), dtype=np.bool_)
+    mask[1::2, -1] = False
+    return mask
+
+
+def cube_coordinates(width: int, height: int) -> tuple[Ints, Ints]:
+    """Coordinates q, r of every cell [NC]; the third is -q - r."""
+    y, x = np.divmod(np.arange(width * height), width)
+    return x - (y - (y & 1)) // 2, y
+
+
+def mirror_cells(width: int, height: int) -> Ints:
+    """Each cell's image under the mirror map [NC]; a void cell's is itself."""
+    y, x = np.divmod(np.arange(width * height), width)
+    odd = y & 1
+    image = y * width + (width - 1 - odd - x)
+    return np.where(odd.astype(bool) & (x == width - 1), y * width + x, image)
+
+
+def neighbour_cells(width: int, height: int) -> Ints:
+    """The six neighbours of every cell [NC, direction]; NO_CELL: off the map or void."""
+    q, r = cube_coordinates(width, height)
+    to_r = r[:, None] + _STEP_R
+    to_x = q[:, None] + _STEP_Q + (to_r - (to_r & 1)) // 2
+    on_map = (to_r >= 0) & (to_r < height) & (to_x >= 0) & (to_x < width - (to_r & 1))
+    on_map &= playable_mask(width, height).reshape(-1, 1)
+    return np.where(on_map, to_r * width + to_x, NO_CELL)
+
+
+@kernel
+def cells_apart(cells: Rows, a: int, b: int) -> int:
+    """Distance of two cells, in cells."""
+    dq = cells[a].q - cells[b].q
+    dr = cells[a].r - cells[b].r
+    return (abs(dq) + abs(dr) + abs(dq + dr)) // 2
+
+
+@kernel
+def direction_between(cells: Rows, a: int, b: int) -> int:
+    """Direction 0..5 of the neighbour b of a; NO_DIRECTION if b is no neighbour."""
+    for d in range(6):
+        if cells[a].neighbour[d] == b:
+            return d
+    return NO_DIRECTION
+
+
+@kernel
+def frame_cell(cells: Rows, cell: int, camp: int) -> int:
+    """A cell between map frame and camp's frame, either way; blue's frame is the mirrored map."""
+    if camp != Camp.BLUE or cell == NO_CELL:
+        return cell
+    return int(cells[cell].mirror)
+
+
+@kernel
+def frame_direction(direction: int, camp: int) -> int:
+    """A direction between map frame and camp's frame, either way."""
+    if camp != Camp.BLUE:
+        return direction
+    return MIRROR_DIRECTION[direction]
+
+
+def _extent(width: int, height: int) -> str:
+    return f"columns 01-{width:02d} (01-{width - 1:02d} in even rows), rows 01-{height:02d}"

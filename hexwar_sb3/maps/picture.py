@@ -1,0 +1,202 @@
+"""A picture of a map: altitude, forest, marsh, water, roads, control points and starts."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.collections import LineCollection, PolyCollection
+from matplotlib.colors import LinearSegmentedColormap, Normalize, to_rgb
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+
+from hexwar_sb3.maps.geometry import E, Ints, NE, SE, SW, NW, W, neighbour_cells
+from hexwar_sb3.maps.hexmap import HexMap
+from hexwar_sb3.maps.scenario import PieceStart, Scenario
+from hexwar_sb3.rules.enums import Camp
+from hexwar_sb3.rules.ruleset import default_rules
+
+Colours = npt.NDArray[np.float64]
+Field = npt.NDArray[np.float64]
+
+ALTITUDE = LinearSegmentedColormap.from_list(
+    "altitude", ["#dfe6bf", "#e9dfb0", "#d9bf8c", "#bd9a6d", "#9c7a5b", "#f1ece6"]
+)
+FOREST, MARSH, LAKE, ROAD = "#3f6b3a", "#6fa8a0", "#7fb2d9", "#fbf3df"
+CAMP_COLOUR = {Camp.RED: "#c0392b", Camp.BLUE: "#1f4e9c", Camp.GREEN: "#2e7d32"}
+_INK = "#33302b"
+_CORNER = np.deg2rad(np.array([90, 30, -30, -90, -150, 150]))  # N, NE, SE, S, SW, NW corner
+_SIDE = {W: (4, 5), SW: (3, 4), SE: (2, 3), E: (1, 2), NE: (0, 1), NW: (5, 0)}  # its two corners
+_LABEL_STEP = 10  # cells between two printed names
+_EDGE_STEP = 5  # columns and rows between two numbers along the edge
+
+
+def picture(hexmap: HexMap, scenario: Scenario | None = None) -> Figure:
+    """A map, with the control points and starts of a scenario on it."""
+    width, height = hexmap.width, hexmap.height * np.sqrt(3) / 2
+    figure = Figure(figsize=(12, 12 * height / width + 0.6), layout="constrained")
+    axes = figure.add_subplot()
+    draw_map(axes, hexmap)
+    _draw_names(axes, hexmap)
+    if scenario is not None:
+        draw_scenario(axes, scenario)
+    _draw_legend(axes, hexmap)
+    bar = ScalarMappable(Normalize(0, max(1, int(hexmap.elev_m.max()))), ALTITUDE)
+    figure.colorbar(bar, ax=axes, label="altitude, m", shrink=0.6, pad=0.01)
+    axes.set_title(f"{hexmap.name}: {int(hexmap.playable.sum()):,} cells", loc="left")
+    return figure
+
+
+def centres(hexmap: HexMap) -> Field:
+    """Where cells are drawn [NC, (x, y)], one cell wide; north is up."""
+    y, x = np.divmod(np.arange(hexmap.n_cells), hexmap.width)
+    return np.stack([x + (y & 1) / 2, -y * np.sqrt(3) / 2], axis=1)
+
+
+def draw_map(axes: Axes, hexmap: HexMap) -> None:
+    """The terrain alone, on given axes."""
+    playable = np.flatnonzero(hexmap.playable)
+    corners = _corners(hexmap)[playable]
+    colours = _colours(hexmap)[playable]
+    axes.add_collection(PolyCollection(list(corners), facecolors=colours, edgecolors="#00000018", linewidths=0.3))
+    _draw_glyphs(axes, hexmap)
+    _draw_shores_and_cliffs(axes, hexmap)
+    _draw_roads(axes, hexmap)
+    axes.set_aspect("equal")
+    axes.autoscale_view()
+    axes.set_axis_off()
+
+
+def draw_scenario(axes: Axes, scenario: Scenario) -> None:
+    """Control points and starts, on axes that hold the map."""
+    where = centres(scenario.hexmap)
+    for point in scenario.points:
+        x, y = where[point.cell]
+        axes.plot(x, y, marker="*", markersize=17, color="#f4c430", markeredgecolor=_INK, zorder=6)
+        axes.annotate(
+            f"{point.name} {point.value}", (x, y), (0, 11), textcoords="offset points",
+            ha="center", fontsize=9, weight="bold", color=_INK, zorder=7,
+            bbox={"boxstyle": "round,pad=0.15", "fc": "#ffffffcc", "ec": "none"},
+        )
+    cells: dict[int, list[PieceStart]] = {}
+    for piece in scenario.pieces:
+        cells.setdefault(piece.cell, []).append(piece)
+    for cell, pieces in cells.items():
+        letters = "+".join(piece.kind.name[0] for piece in pieces)
+        axes.annotate(
+            letters, where[cell], ha="center", va="center", fontsize=7, weight="bold", color="white", zorder=7,
+            bbox={"boxstyle": "round,pad=0.25", "fc": CAMP_COLOUR[pieces[0].camp], "ec": "white", "lw": 0.8},
+        )
+
+
+def _corners(hexmap: HexMap) -> Field:
+    """Corners of every cell [NC, 6, (x, y)]."""
+    ring = np.stack([np.cos(_CORNER), np.sin(_CORNER)], axis=1) / np.sqrt(3)
+    return centres(hexmap)[:, None, :] + ring
+
+
+def _colours(hexmap: HexMap) -> Colours:
+    """Colour of every cell [NC, RGB]: altitude with light from the north-west, then cover."""
+    relief = hexmap.elev_m.ravel() / max(1, int(hexmap.elev_m.max()))
+    colours = ALTITUDE(relief)[:, :3] * _light(hexmap)[:, None]
+    for layer, colour, share in ((hexmap.concealed, FOREST, 0.55), (hexmap.slushy, MARSH, 0.6)):
+        marks = layer.ravel()
+        colours[marks] = (1 - share) * colours[marks] + share * np.array(to_rgb(colour))
+    colours[~hexmap.passable.ravel()] = to_rgb(LAKE)
+    return np.clip(colours, 0, 1)
+
+
+def _light(hexmap: HexMap) -> Field:
+    """Brightness of every cell by its slope [NC], 1 on level ground."""
+    neighbours = neighbour_cells(hexmap.width, hexmap.height)
+    elev_m = hexmap.elev_m.ravel().astype(float)
+    around = np.where(neighbours < 0, elev_m[:, None], elev_m[neighbours])
+    slope = around[:, [SE, E]].sum(axis=1) - around[:, [NW, W]].sum(axis=1)
+    strength = 0.22 * slope / max(1.0, float(np.abs(slope).max()) * 0.6)
+    return 1 + np.clip(strength, -0.22, 0.22)
+
+
+def _draw_glyphs(axes: Axes, hexmap: HexMap) -> None:
+    """Trees in forests, rushes in marshes, houses in built-up cells."""
+    where = centres(hexmap)
+    built_up = (hexmap.concealed & hexmap.paved).ravel()
+    forest = hexmap.concealed.ravel() & ~built_up
+    marsh = hexmap.slushy.ravel() & ~forest
+    for dx, dy in ((-0.2, 0.12), (0.18, 0.18), (0.02, -0.2)):
+        x, y = (where[forest] + (dx, dy)).T
+        axes.scatter(x, y, s=7, marker="^", color="#234a24", linewidths=0, zorder=3)
+    for dx, dy in ((-0.14, 0.14), (0.14, 0.0), (-0.14, -0.14)):
+        x, y = (where[marsh] + (dx, dy)).T
+        axes.scatter(x, y, s=5, marker="_", color="#2f6f68", linewidths=0.8, zorder=3)
+    for dx, dy in ((-0.2, 0.2), (0.22, 0.16), (-0.16, -0.24), (0.2, -0.2)):
+        x, y = (where[built_up] + (dx, dy)).T
+        axes.scatter(x, y, s=7, marker="s", color="#5b4a3f", linewidths=0, zorder=5)
+
+
+def _draw_shores_and_cliffs(axes: Axes, hexmap: HexMap) -> None:
+    """Edges of lakes, and edges too steep for a vehicle."""
+    sides = _sides(hexmap)
+    a, b, _ = sides.T
+    passable, elev_m = hexmap.passable.ravel(), hexmap.elev_m.ravel().astype(int)
+    limit_m = default_rules().number("max_climb") * hexmap.grade_m
+    shore = passable[a] != passable[b]
+    cliff = passable[a] & passable[b] & (abs(elev_m[a] - elev_m[b]) > limit_m)
+    for chosen, colour, thickness in ((shore, "#4a86b5", 1.2), (cliff, "#5a3a22", 2.0)):
+        lines = _side_lines(hexmap, sides[chosen])
+        axes.add_collection(LineCollection(lines, colors=colour, linewidths=thickness, zorder=3))
+
+
+def _draw_roads(axes: Axes, hexmap: HexMap) -> None:
+    a, b, _ = _sides(hexmap).T
+    paved = hexmap.paved.ravel()
+    both = paved[a] & paved[b]
+    where = centres(hexmap)
+    lines = list(np.stack([where[a[both]], where[b[both]]], axis=1))
+    for colour, thickness in ((_INK, 3.2), (ROAD, 2.0)):
+        axes.add_collection(
+            LineCollection(lines, colors=colour, linewidths=thickness, capstyle="round", zorder=4)
+        )
+
+
+def _sides(hexmap: HexMap) -> Ints:
+    """Every pair of neighbours once [pair, (cell, neighbour, direction)]."""
+    neighbours = neighbour_cells(hexmap.width, hexmap.height)
+    pairs = [
+        np.stack([cells, neighbours[cells, d], np.full(cells.size, d)], axis=1)
+        for d in (E, SE, SW)
+        for cells in [np.flatnonzero(neighbours[:, d] >= 0)]
+    ]
+    return np.concatenate(pairs)
+
+
+def _side_lines(hexmap: HexMap, sides: Ints) -> list[Field]:
+    corners = _corners(hexmap)
+    return [corners[a][list(_SIDE[d])] for a, _, d in sides.tolist()]
+
+
+def _draw_names(axes: Axes, hexmap: HexMap) -> None:
+    """Every tenth cell's name, and every fifth column and row along the edges."""
+    where = centres(hexmap)
+    for y in range(_LABEL_STEP - 1, hexmap.height, _LABEL_STEP):
+        for x in range(_LABEL_STEP - 1, hexmap.width - 1, _LABEL_STEP):
+            cell = y * hexmap.width + x
+            axes.text(*where[cell], hexmap.cell_name(cell), fontsize=5.5, ha="center", va="center", color=_INK, alpha=0.85, zorder=5)
+    for x in range(_EDGE_STEP - 1, hexmap.width, _EDGE_STEP):
+        for y, offset in ((0, 1.2), (hexmap.height - 1, -1.4)):
+            axes.text(where[x][0], where[y * hexmap.width][1] + offset, f"{x + 1:02d}", fontsize=7, ha="center", va="center", color=_INK)
+    for y in range(_EDGE_STEP - 1, hexmap.height, _EDGE_STEP):
+        for x in (-1.5, hexmap.width + 0.5):
+            axes.text(x, where[y * hexmap.width][1], f"{y + 1:02d}", fontsize=7, ha="center", va="center", color=_INK)
+
+
+def _draw_legend(axes: Axes, hexmap: HexMap) -> None:
+    handles: list[Patch | Line2D] = [
+        Patch(color=FOREST, label="concealed"),
+        Patch(color=MARSH, label="slushy"),
+        Patch(color=LAKE, label="impassable"),
+        Line2D([], [], color=ROAD, linewidth=3, label="paved"),
+        Line2D([], [], color="#5a3a22", linewidth=2, label="too steep for vehicles"),
+    ]
+    axes.legend(handles=handles, loc="upper center", bbox_to_anchor=(0.5, 0.0), ncols=len(handles), frameon=False, fontsize=9)

@@ -1,0 +1,176 @@
+"""A batch of games on one world, each seat held by a bot or by somebody who picks tasks."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, fields
+from typing import Any, cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hexwar_sb3.bots.atlas import make_atlas
+from hexwar_sb3.bots.records import BRAIN
+from hexwar_sb3.engine.score import margin, points_held
+from hexwar_sb3.engine.state import State, new_state, seed_game
+from hexwar_sb3.engine.world import World
+from hexwar_sb3.kernels import Rows, kernel
+from hexwar_sb3.play.drive import advance_until_decision
+from hexwar_sb3.play.look import Sight, choose_batch, look_batch
+from hexwar_sb3.play.player import BotPlayer, Player, Seat
+from hexwar_sb3.play.records import DECISION_TICKS, DRIVE, EXTERNAL
+from hexwar_sb3.tasks.choose import clear_plans, new_plans
+from hexwar_sb3.tasks.spots import load_spots
+
+Games = NDArray[np.int64]  # indices of games in the batch, [n]
+Snapshot = dict[str, NDArray[Any]]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Setup:
+    """How the games of an arena are played, apart from who plays them."""
+
+    decision_ticks: tuple[int, int] = (DECISION_TICKS, DECISION_TICKS)  # [camp]
+    early: bool = False  # also decide after an own loss or an ended task
+    net_score: bool = False  # margin without green's points; else eq. (1)
+    fog: bool = True  # False: lights on, for debugging
+
+
+class Arena:
+    """Games that run to their next decisions together.
+
+    A seat is a `BotPlayer` (it runs inside the drive loop), a `Player` (asked by `ask`), or None: then
+    the caller looks and chooses.
+    """
+
+    def __init__(self, world: World, n_games: int, setup: Setup) -> None:
+        self.world, self.setup, self.n_games = world, setup, n_games
+        self.state = new_state(world, n_games)
+        self.plans = new_plans(n_games, world.n_pieces)
+        self.brains = np.zeros((n_games, 2), BRAIN).view(np.recarray)
+        self.drives = np.zeros(n_games, DRIVE).view(np.recarray)
+        self.players: list[list[Player | None]] = [[None, None] for _ in range(n_games)]
+        self._start = new_state(world, 1)
+        self._sights: dict[int, Sight] = {}
+        self._atlas = make_atlas(world)
+        self._spots = load_spots(world)
+
+    def begin(self, b: int, seed: int, red: Seat | None, blue: Seat | None) -> None:
+        """Put game b back to tick 0 with a seed for its dice, and seat its two players."""
+        self.state.copy_from(self._start, b, 0)
+        game, drive = self.state.games[b], self.drives[b]
+        seed_game(game, np.uint64(seed))
+        game.net_score, game.fog = self.setup.net_score, self.setup.fog
+        clear_plans(self.plans[b])
+        self.brains[b] = np.zeros(2, BRAIN)
+        self.drives[b] = np.zeros((), DRIVE)
+        drive.period, drive.early = self.setup.decision_ticks, self.setup.early
+        for camp, seat in enumerate((red, blue)):
+            self.sit(b, camp, seat)
+
+    def sit(self, b: int, camp: int, seat: Seat | None) -> None:
+        """Seat a player, a bot or (None) the caller."""
+        bot = isinstance(seat, BotPlayer)
+        self.drives[b].seat[camp] = seat.bot if isinstance(seat, BotPlayer) else EXTERNAL
+        self.drives[b].asked[camp] = self.drives[b].due[camp] = not bot
+        self.players[b][camp] = None if isinstance(seat, BotPlayer) else seat
+
+    def due(self, which: Games, camps: NDArray[np.int64] | int) -> NDArray[np.bool_]:
+        """Whether camp camps[k] of game which[k] is to decide now, [n]."""
+        return self.drives.due[which, camps] == 1
+
+    def over(self, which: Games) -> NDArray[np.bool_]:
+        """Whether each game has ended, [n]."""
+        return self.state.games.over[which] == 1
+
+    def advance(self, which: Games) -> None:
+        """Play each game to its next decision or its end."""
+        world, state = self.world, self.state
+        advance_until_decision(
+            which, self.drives, state.games, state.pieces, state.memory, state.paths, state.rounds,
+            state.orders, state.log, self.plans, self.brains,
+            world.rules, world.cells, world.los, world.eta, self._atlas,
+        )  # fmt: skip
+
+    def look(self, slots: Games, which: Games, camps: NDArray[np.int64], sight: Sight) -> None:
+        """Fill slots[k] of the buffers with what camp camps[k] of game which[k] sees."""
+        world, state = self.world, self.state
+        look_batch(
+            slots, which, camps, state.games, state.pieces, state.memory, self.plans,
+            world.rules, world.cells, world.los, world.eta, self._spots, *sight.out,
+        )  # fmt: skip
+
+    def choose(
+        self, slots: Games, which: Games, camps: NDArray[np.int64], actions: NDArray[Any], sight: Sight
+    ) -> NDArray[np.int64]:
+        """Give camp camps[k] of game which[k] the tasks actions[k] of what it saw in slots[k].
+
+        Returns:
+            Number of illegal actions of each game, [n]; an illegal action stands for stop.
+        """
+        illegal = np.zeros(len(which), np.int64)
+        actions = np.ascontiguousarray(actions, np.int64)
+        choose_batch(
+            slots, which, camps, actions, self.drives, self.state.games, self.plans,
+            sight.rows, sight.obs["action_mask"], illegal,
+        )  # fmt: skip
+        return illegal
+
+    def ask(self, which: Iterable[int]) -> None:
+        """Let every seated `Player` whose turn it is in these games pick its tasks."""
+        turns: dict[tuple[int, int], list[int]] = {}
+        for b in which:
+            for camp in range(2):
+                player = self.players[b][camp]
+                if player is not None and self.drives[b].due[camp]:
+                    turns.setdefault((camp, id(player)), []).append(b)
+        for (camp, _), games in turns.items():
+            self._ask_one(camp, np.array(games, np.int64))
+
+    def _ask_one(self, camp: int, which: Games) -> None:
+        player = cast("Player", self.players[which[0]][camp])
+        sight = self._sight_for(camp)
+        slots, camps = np.arange(len(which)), np.full(len(which), camp)
+        self.look(slots, which, camps, sight)
+        actions = player.act({key: value[: len(which)] for key, value in sight.obs.items()})
+        self.choose(slots, which, camps, actions, sight)
+
+    def _sight_for(self, camp: int) -> Sight:
+        if camp not in self._sights:
+            self._sights[camp] = Sight(self.world, camp, self.n_games)
+        return self._sights[camp]
+
+    def margins(self, which: Games, camps: NDArray[np.int64]) -> NDArray[np.int64]:
+        """True margin of camp camps[k] in game which[k], points [n]."""
+        out = np.zeros(len(which), np.int64)
+        margins_of(which, camps, self.state.games, self.state.pieces, self.world.rules, out)
+        return out
+
+    def wins(self, which: Games, camps: NDArray[np.int64]) -> NDArray[np.float64]:
+        """1 where camp camps[k] has the larger margin in game which[k], 0.5 where they are equal, [n]."""
+        lead = np.sign(self.margins(which, camps) - self.margins(which, 1 - camps))
+        return (lead + 1) / 2
+
+    def points_held(self, b: int, camp: int) -> int:
+        """Number of control points that a camp owns in game b."""
+        return points_held(self.state.games[b], camp)
+
+    def snapshot(self) -> Snapshot:
+        """Copies of everything that changes in play, players apart."""
+        return {name: array.copy() for name, array in self._arrays().items()}
+
+    def restore(self, snapshot: Snapshot) -> None:
+        """Put back what `snapshot` took; the players must be seated again first."""
+        for name, array in self._arrays().items():
+            array[...] = snapshot[name]
+
+    def _arrays(self) -> Snapshot:
+        state = {field.name: getattr(self.state, field.name) for field in fields(State)}
+        return {**state, "plans": self.plans, "brains": self.brains, "drives": self.drives}
+
+
+@kernel
+def margins_of(which: Rows, camps: Rows, games: Rows, pieces: Rows, rules_array: Rows, out: Rows) -> None:
+    """Write the true margin of camp camps[k] in game which[k] to out[k]."""
+    for k in range(which.size):
+        out[k] = margin(games[which[k]], pieces[which[k]], camps[k], rules_array[0])

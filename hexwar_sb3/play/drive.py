@@ -1,0 +1,189 @@
+"""The compiled drive loop: both camps act at every event, the engine jumps in between.
+
+The loop may be cut anywhere: whoever did nothing at a cut goes on as if it had not been there,
+so a game is the same game at every chunk size (architecture.md, section 2).
+"""
+
+from __future__ import annotations
+
+from hexwar_sb3.bots.act import bot_act, next_thought
+from hexwar_sb3.engine.codes import Code
+from hexwar_sb3.engine.step import has_orders, next_due, process, set_tick
+from hexwar_sb3.kernels import Row, Rows, kernel
+from hexwar_sb3.play.execute import execute_tasks
+from hexwar_sb3.play.records import EXTERNAL
+from hexwar_sb3.rules.enums import Action
+from hexwar_sb3.tasks.known import end_piece, first_piece
+from hexwar_sb3.tasks.records import ENDED, TaskKind
+
+
+@kernel
+def ended_tasks(camp: int, game: Row, plans: Rows) -> int:
+    """Mask of the camp's pieces whose task is done or impossible; a stop never counts."""
+    mask = 0
+    for i in range(first_piece(camp, game), end_piece(camp, game)):
+        if plans[i].state == ENDED and plans[i].kind != TaskKind.STOP:
+            mask |= 1 << i
+    return mask
+
+
+@kernel
+def wants_decision(camp: int, drive: Row, game: Row, plans: Rows) -> bool:
+    """Whether an own loss or an ended task calls the camp before its next regular decision."""
+    if drive.early[camp] == 0:
+        return False
+    lost = game.loss_tick[camp] > drive.decided_at[camp]
+    return lost or (ended_tasks(camp, game, plans) & ~drive.ended[camp]) != 0
+
+
+@kernel
+def note_given(drive: Row, game: Row, orders: Rows) -> None:
+    """Remember the orders of this step: the engine clears them."""
+    for i in range(game.n_pieces):
+        drive.given[i] = orders[i].kind
+
+
+@kernel
+def count_done(drive: Row, game: Row, pieces: Rows, orders: Rows) -> None:
+    """Add the orders that the step carried out to `drive.actions`."""
+    for i in range(game.n_pieces):
+        if drive.given[i] != Action.NULL and orders[i].code == Code.OK:
+            drive.actions[pieces[i].camp, drive.given[i]] += 1
+
+
+@kernel
+def act(
+    drive: Row,
+    game: Row,
+    pieces: Rows,
+    memory: Rows,
+    paths: Rows,
+    rounds: Rows,
+    orders: Rows,
+    plans: Rows,
+    brains: Rows,
+    rules: Row,
+    cells: Rows,
+    los: Rows,
+    eta: Rows,
+    atlas: Row,
+) -> None:
+    """Let the camps whose turn it is fill `orders`: bots think first, then tasks become orders."""
+    everybody = game.tick == drive.act_at
+    for camp in range(2):
+        if not (everybody or drive.fresh[camp]):
+            continue
+        drive.fresh[camp] = 0
+        if drive.seat[camp] != EXTERNAL:
+            bot_act(
+                drive.seat[camp], camp, game, pieces, memory, paths, rounds, orders, plans, brains,
+                rules, cells, los, eta, atlas,
+            )  # fmt: skip
+        execute_tasks(camp, game, pieces, memory, paths, rounds, orders, plans, rules, cells, los, eta)
+
+
+@kernel
+def jump(until: int, drive: Row, game: Row, pieces: Rows, rounds: Rows, brains: Rows) -> bool:
+    """Without orders: set the clock to the next step that must run, at most to `until`.
+
+    Returns:
+        True if the clock moved (to that step, to `until`, or to a tick at which a bot thinks).
+    """
+    target = min(next_due(game, pieces, rounds), until)
+    for camp in range(2):
+        if drive.seat[camp] != EXTERNAL:
+            thought = next_thought(brains[camp], game.tick)
+            if thought <= target:
+                target = thought
+                drive.act_at = thought
+    moved = target > game.tick
+    set_tick(game, target, pieces)
+    return moved
+
+
+@kernel
+def next_decision(drive: Row, game: Row) -> int:
+    """Tick of the next regular decision of an asked camp; the end of the game without one."""
+    tick = int(game.end_tick)
+    for camp in range(2):
+        if drive.asked[camp]:
+            tick = min(tick, (game.tick // drive.period[camp] + 1) * drive.period[camp])
+    return tick
+
+
+@kernel
+def note_due(drive: Row, game: Row, plans: Rows) -> bool:
+    """Mark the asked camps that are to decide in this state; True if there is one."""
+    for camp in range(2):
+        regular = game.tick % drive.period[camp] == 0
+        wanted = regular or wants_decision(camp, drive, game, plans)
+        drive.due[camp] = game.over == 0 and drive.asked[camp] == 1 and wanted
+    return drive.due[0] == 1 or drive.due[1] == 1
+
+
+@kernel
+def advance_game(
+    drive: Row,
+    game: Row,
+    pieces: Rows,
+    memory: Rows,
+    paths: Rows,
+    rounds: Rows,
+    orders: Rows,
+    log: Rows,
+    plans: Rows,
+    brains: Rows,
+    rules: Row,
+    cells: Rows,
+    los: Rows,
+    eta: Rows,
+    atlas: Row,
+) -> None:
+    """Play one game until an asked camp is to decide, or to the end."""
+    until = next_decision(drive, game)
+    while game.over == 0 and game.tick < until:
+        act(
+            drive, game, pieces, memory, paths, rounds, orders, plans, brains,
+            rules, cells, los, eta, atlas,
+        )  # fmt: skip
+        if not has_orders(orders) and jump(until, drive, game, pieces, rounds, brains):
+            continue
+        note_given(drive, game, orders)
+        process(game, pieces, memory, paths, rounds, orders, log, rules, cells, los)
+        count_done(drive, game, pieces, orders)
+        drive.act_at = game.tick
+        if note_due(drive, game, plans):
+            return
+    note_due(drive, game, plans)
+
+
+@kernel
+def advance_until_decision(
+    which: Rows,
+    drives: Rows,
+    games: Rows,
+    pieces: Rows,
+    memory: Rows,
+    paths: Rows,
+    rounds: Rows,
+    orders: Rows,
+    log: Rows,
+    plans: Rows,
+    brains: Rows,
+    rules_array: Rows,
+    cells: Rows,
+    los: Rows,
+    eta: Rows,
+    atlas_array: Rows,
+) -> None:
+    """Play each of the games `which` until its next decision or its end.
+
+    Args:
+        which: games to play, [n] indices of the batch.
+        drives: [B] DRIVE; then the batch arrays of the engine, [B, ...], and the world's.
+    """
+    for b in which:
+        advance_game(
+            drives[b], games[b], pieces[b], memory[b], paths[b], rounds[b], orders[b], log[b],
+            plans[b], brains[b], rules_array[0], cells, los, eta, atlas_array[0],
+        )  # fmt: skip

@@ -1,0 +1,277 @@
+"""From tasks to orders, at every event (architecture.md, section 3).
+
+Three passes over a camp's pieces, each by slot: who needs it asks the lower level; guiders and
+boarders give their orders, which lay hands on a chariot; then everybody else. Only legal orders
+are given, so that a refused one never costs a step. What cannot be done yet is looked at again at
+the next event, because every timer that frees a piece is one.
+
+What holds for every task:
+* A control point is occupied whenever that is legal: it costs nothing.
+* A settled piece, and a tank with its gun on the move, fires at what it sees from
+  `plan.fire_value` on, unless `plan.hold_fire`. An attack prefers its own target.
+* A piece that may not fire on the move stops, or does not move on, for a shot worth
+  `plan.stop_value`.
+* A chariot waits, and does not hide, while a soldier whose task is to board it stands in its cell
+  and both are able to; it goes on when either is suppressed, is in close combat, or changes its task.
+* A chariot whose task is to bombard does not move while its round flies: moving would lose it.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from hexwar_sb3.bots.routes import heuristic_direction, is_at_target
+from hexwar_sb3.engine.pieces import has_path, in_fight, is_settled, on_map, weapon_ammo
+from hexwar_sb3.engine.records import MAX_PIECES, NO_CELL, NO_PIECE
+from hexwar_sb3.kernels import Row, Rows, kernel
+from hexwar_sb3.rules.enums import Action, PieceType, Weapon
+from hexwar_sb3.tasks.known import can_hurt, end_piece, first_piece, is_known
+from hexwar_sb3.tasks.phi import (
+    give,
+    give_guided,
+    give_shot,
+    has_flying_round,
+    may_occupy,
+    may_turn_back,
+    phi,
+)
+from hexwar_sb3.tasks.records import ENDED, STAYING, WALKING, TaskKind
+from hexwar_sb3.tasks.sets import has_launcher
+from hexwar_sb3.tasks.shots import best_guided, best_shot, expect_loss
+
+GUIDE_SHARE = 0.8  # a chariot whose own shot is worth this share of the guided one fires itself
+
+
+@kernel
+def execute_tasks(
+    camp: int, game: Row, pieces: Rows, memory: Rows, paths: Rows, rounds: Rows, orders: Rows, plans: Rows,
+    rules: Row, cells: Rows, los: Rows, eta: Rows,
+) -> None:  # fmt: skip
+    """Fill orders[] of a camp's pieces from their tasks; pieces that already have an order keep it."""
+    first, end = first_piece(camp, game), end_piece(camp, game)
+    allotted = np.zeros(MAX_PIECES, np.int64)
+    for i in range(first, end):
+        end_task(i, game, pieces, memory, plans, rules)
+        if needs_answer(i, game, pieces, plans):
+            ask_lower(i, game, pieces, memory, plans, rules, cells, los, eta)
+    taken = claimed(first, end, orders)
+    for i in range(first, end):
+        if orders[i].kind == Action.NULL and on_map(pieces[i]) and (taken >> i) & 1 == 0:
+            partner = order_with_partner(i, allotted, game, pieces, memory, orders, plans, rules, cells)
+            if partner != NO_PIECE:
+                taken |= 1 << partner
+    for i in range(first, end):
+        if orders[i].kind == Action.NULL and on_map(pieces[i]) and (taken >> i) & 1 == 0:
+            order_piece(i, allotted, game, pieces, memory, paths, rounds, orders, plans, rules, cells)
+
+
+@kernel
+def claimed(first: int, end: int, orders: Rows) -> int:
+    """Bits of the chariots that orders already given lay hands on."""
+    taken = 0
+    for i in range(first, end):
+        if orders[i].kind == Action.GUIDE_SHOOT:
+            taken |= 1 << int(orders[i].partner)
+        elif orders[i].kind == Action.GET_ON:
+            taken |= 1 << int(orders[i].target)
+    return taken
+
+
+@kernel
+def is_over(i: int, game: Row, pieces: Rows, memory: Rows, plans: Rows, rules: Row) -> bool:
+    """The task is done, or has become impossible."""
+    piece = pieces[i]
+    plan = plans[i]
+    if not on_map(piece):
+        return True
+    if is_at_target(plan.kind) and not is_known(memory[piece.camp, plan.target]):
+        return True
+    if plan.kind == TaskKind.ATTACK:
+        return not can_hurt(piece, pieces[plan.target].kind, rules)
+    if plan.kind == TaskKind.GUIDE:
+        return not has_launcher(i, game, pieces, rules)
+    if plan.kind == TaskKind.BOMBARD:
+        return weapon_ammo(piece, Weapon.MORTAR, rules) == 0
+    if plan.kind == TaskKind.BOARD:
+        carrier = pieces[plan.target]
+        return carrier.blood == 0 or carrier.passenger != NO_PIECE
+    if plan.kind == TaskKind.DROP:
+        return piece.passenger == NO_PIECE
+    if plan.kind == TaskKind.RECOVER:
+        return not piece.suppressed
+    return plan.kind == TaskKind.STOP and not has_path(piece)
+
+
+@kernel
+def end_task(i: int, game: Row, pieces: Rows, memory: Rows, plans: Rows, rules: Row) -> None:
+    """Mark a task that is over; the piece then stays where it is."""
+    if plans[i].state != ENDED and is_over(i, game, pieces, memory, plans, rules):
+        plans[i].state = ENDED
+        plans[i].direction = 0
+
+
+@kernel
+def needs_answer(i: int, game: Row, pieces: Rows, plans: Rows) -> bool:
+    """The piece has just arrived in a cell or been given its task, and stands at a cell's centre."""
+    piece = pieces[i]
+    plan = plans[i]
+    if plan.state == ENDED or plan.asked_at == game.tick:
+        return False
+    if has_path(piece) and not piece.waiting:
+        return plan.kind == TaskKind.STOP
+    return piece.arrived_at == game.tick or plan.chosen_at == game.tick
+
+
+@kernel
+def ask_lower(
+    i: int, game: Row, pieces: Rows, memory: Rows, plans: Rows, rules: Row, cells: Rows, los: Rows, eta: Rows
+) -> None:
+    """Ask the lower level once, and keep its answer until the next cell or decision."""
+    plan = plans[i]
+    plan.asked_at = game.tick
+    plan.direction = 0
+    if plan.kind != TaskKind.STOP and plan.kind != TaskKind.RECOVER:
+        plan.direction = heuristic_direction(i, game, pieces, memory, plans, rules, cells, los, eta)
+    plan.state = STAYING if plan.direction == 0 else WALKING
+
+
+@kernel
+def order_with_partner(
+    i: int, allotted: Rows, game: Row, pieces: Rows, memory: Rows, orders: Rows, plans: Rows, rules: Row, cells: Rows
+) -> int:
+    """Guide or board, where that is the task and legal now; the chariot it takes, or NO_PIECE."""
+    plan = plans[i]
+    if plan.state != STAYING:
+        return NO_PIECE
+    if plan.kind == TaskKind.BOARD and orders[plan.target].kind == Action.NULL:
+        given = phi(i, 0, game, pieces, memory, orders, plans, rules, cells)
+        return int(plan.target) if given else NO_PIECE
+    if plan.kind != TaskKind.GUIDE:
+        return NO_PIECE
+    value, target, chariot = best_guided(
+        i, plan.target, allotted, game, pieces, memory, orders, rules, cells
+    )
+    if target == NO_PIECE or fires_itself(
+        chariot, value, allotted, game, pieces, memory, plans, rules, cells
+    ):
+        return NO_PIECE
+    if not give_guided(i, target, chariot, game, pieces, orders, rules, cells):
+        return NO_PIECE
+    expect_loss(chariot, target, Weapon.HEAVY, allotted, game, pieces, memory, rules, cells)
+    return chariot
+
+
+@kernel
+def fires_itself(
+    c: int, guided_value: float, allotted: Rows, game: Row, pieces: Rows, memory: Rows, plans: Rows, rules: Row, cells: Rows
+) -> bool:
+    """The chariot's own shot is about as good as the one that it would be guided to."""
+    if plans[c].hold_fire:
+        return False
+    value, _, _ = best_shot(c, NO_PIECE, False, allotted, game, pieces, memory, rules, cells)
+    return value >= plans[c].fire_value and value >= GUIDE_SHARE * guided_value
+
+
+@kernel
+def order_piece(
+    i: int, allotted: Rows, game: Row, pieces: Rows, memory: Rows, paths: Rows, rounds: Rows, orders: Rows, plans: Rows,
+    rules: Row, cells: Rows,
+) -> None:  # fmt: skip
+    """The one order that serves piece i's task best in this step, if any."""
+    piece = pieces[i]
+    plan = plans[i]
+    if may_occupy(i, game, pieces, memory, cells):
+        give(i, Action.OCCUPY, NO_PIECE, NO_CELL, game, pieces, orders, rules, cells)
+    elif is_settled(piece) and fire(i, allotted, game, pieces, memory, orders, plans, rules, cells):
+        return
+    elif has_path(piece):
+        if not halt(i, allotted, game, pieces, memory, paths, orders, plans, rules, cells):
+            fire(i, allotted, game, pieces, memory, orders, plans, rules, cells)
+    elif plan.direction > 0:
+        stays = waits(i, rounds, game, pieces, plans) or is_worth_a_stop(
+            i, allotted, game, pieces, memory, plans, rules, cells
+        )
+        if stays or not phi(i, plan.direction, game, pieces, memory, orders, plans, rules, cells):
+            fire(i, allotted, game, pieces, memory, orders, plans, rules, cells)
+    elif not fire(i, allotted, game, pieces, memory, orders, plans, rules, cells):
+        hiding = plan.kind == TaskKind.HIDE or plan.kind == TaskKind.SHADOW
+        if plan.state == STAYING and not (hiding and is_awaited(i, game, pieces, plans)):
+            phi(i, 0, game, pieces, memory, orders, plans, rules, cells)
+
+
+@kernel
+def fire(
+    i: int, allotted: Rows, game: Row, pieces: Rows, memory: Rows, orders: Rows, plans: Rows, rules: Row, cells: Rows
+) -> bool:
+    """The task's own shot, else one of opportunity, if the plan's fire style allows it."""
+    plan = plans[i]
+    value, target, weapon = 0.0, NO_PIECE, 0
+    if plan.kind == TaskKind.ATTACK and plan.state != ENDED:
+        value, target, weapon = best_shot(
+            i, plan.target, False, allotted, game, pieces, memory, rules, cells
+        )
+    own_target = value > 0.0 and (plan.state == STAYING or value >= plan.fire_value)
+    if not own_target and not plan.hold_fire:
+        value, target, weapon = best_shot(
+            i, NO_PIECE, False, allotted, game, pieces, memory, rules, cells
+        )
+    if not own_target and (plan.hold_fire or target == NO_PIECE or value < plan.fire_value):
+        return False
+    given = give_shot(i, target, weapon, game, pieces, orders, rules, cells)
+    if given:
+        expect_loss(i, target, weapon, allotted, game, pieces, memory, rules, cells)
+    return given
+
+
+@kernel
+def is_worth_a_stop(
+    i: int, allotted: Rows, game: Row, pieces: Rows, memory: Rows, plans: Rows, rules: Row, cells: Rows
+) -> bool:
+    """A piece that cannot fire on the move has a shot from here that it should stand for."""
+    plan = plans[i]
+    if rules.moving_fire[pieces[i].kind] or plan.hold_fire or in_fight(game, pieces[i]):
+        return False
+    value, _, _ = best_shot(i, NO_PIECE, True, allotted, game, pieces, memory, rules, cells)
+    return value > 0.0 and value >= plan.stop_value
+
+
+@kernel
+def halt(
+    i: int, allotted: Rows, game: Row, pieces: Rows, memory: Rows, paths: Rows, orders: Rows, plans: Rows,
+    rules: Row, cells: Rows,
+) -> bool:  # fmt: skip
+    """Stop a piece under way: for its task, for another way than it waits for, or for a shot."""
+    piece = pieces[i]
+    plan = plans[i]
+    if not may_turn_back(piece, game.tick):
+        return False
+    stops = plan.kind == TaskKind.STOP
+    if piece.waiting and plan.asked_at == game.tick:
+        stops = stops or plan.direction != 1 + paths[i, piece.path_pos]
+    if game.contact_tick[piece.camp] == game.tick:
+        stops = stops or is_worth_a_stop(i, allotted, game, pieces, memory, plans, rules, cells)
+    return stops and give(i, Action.STOP, NO_PIECE, NO_CELL, game, pieces, orders, rules, cells)
+
+
+@kernel
+def waits(i: int, rounds: Rows, game: Row, pieces: Rows, plans: Rows) -> bool:
+    """The piece should not move on yet: somebody boards it, or its round is in the air."""
+    if plans[i].kind == TaskKind.BOMBARD and has_flying_round(i, rounds):
+        return True
+    return is_awaited(i, game, pieces, plans)
+
+
+@kernel
+def is_awaited(i: int, game: Row, pieces: Rows, plans: Rows) -> bool:
+    """A soldier whose task is to board this chariot stands in its cell, and both are able to."""
+    chariot = pieces[i]
+    if chariot.kind != PieceType.CHARIOT or chariot.passenger != NO_PIECE or chariot.suppressed:
+        return False
+    if in_fight(game, chariot):
+        return False
+    for s in range(first_piece(chariot.camp, game), end_piece(chariot.camp, game)):
+        boards = plans[s].kind == TaskKind.BOARD and plans[s].target == i and plans[s].state == STAYING
+        soldier = pieces[s]
+        if boards and on_map(soldier) and soldier.cell == chariot.cell and not soldier.suppressed:
+            return True
+    return False

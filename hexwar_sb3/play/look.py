@@ -1,0 +1,142 @@
+"""What the players of a batch of games see and pick: buffers, and the kernels that fill them."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hexwar_sb3.engine.world import World
+from hexwar_sb3.kernels import Row, Rows, kernel
+from hexwar_sb3.play.drive import ended_tasks
+from hexwar_sb3.tasks.choose import choose_tasks
+from hexwar_sb3.tasks.features import Sizes, sizes
+from hexwar_sb3.tasks.observe import global_state, observe
+from hexwar_sb3.tasks.records import MAX_TASKS, TASK
+from hexwar_sb3.tasks.sets import list_tasks
+
+
+def camp_sizes(world: World, camp: int) -> Sizes:
+    """Widths of the arrays that a camp of this world sees."""
+    own, enemies = world.piece_names(camp), world.piece_names(1 - camp)
+    return sizes(len(own), len(enemies), len(world.scenario.points))
+
+
+class Sight:
+    """Buffers for one observation of `n` games by a camp, filled in place.
+
+    Args:
+        world: scenario and rules; both camps must have equally many pieces if both are to look.
+        camp: whose pieces are counted.
+        n: games.
+        dtype: float32 or float16, of everything but masks.
+        with_state: also the mixer's true state.
+    """
+
+    def __init__(
+        self, world: World, camp: int, n: int, *, dtype: str = "float32", with_state: bool = False
+    ) -> None:
+        width = camp_sizes(world, camp)
+        n_own = len(world.piece_names(camp))
+        self.rows = np.zeros((n, n_own, MAX_TASKS), TASK).view(np.recarray)
+        self.obs: dict[str, NDArray[Any]] = {
+            "obs": np.zeros((n, n_own, width.obs), dtype),
+            "tasks": np.zeros((n, n_own, MAX_TASKS, width.row), dtype),
+            "action_mask": np.zeros((n, n_own, MAX_TASKS), np.int8),
+            "alive": np.zeros((n, n_own), dtype),
+        }
+        self.state = np.zeros((n, width.state if with_state else 0), dtype)
+        if with_state:
+            self.obs["state"] = self.state
+
+    @property
+    def out(self) -> tuple[NDArray[Any], ...]:
+        """The buffers in the order in which `look_batch` takes them."""
+        obs = self.obs
+        return self.rows, obs["action_mask"], obs["obs"], obs["tasks"], obs["alive"], self.state
+
+
+@kernel
+def look_batch(
+    slots: Rows,
+    which: Rows,
+    camps: Rows,
+    games: Rows,
+    pieces: Rows,
+    memory: Rows,
+    plans: Rows,
+    rules_array: Rows,
+    cells: Rows,
+    los: Rows,
+    eta: Rows,
+    spots: Rows,
+    rows: Rows,
+    mask: Rows,
+    obs: Rows,
+    tasks: Rows,
+    alive: Rows,
+    state: Rows,
+) -> None:
+    """Fill slot slots[k] of the buffers with what camp camps[k] of game which[k] sees.
+
+    Args:
+        slots, which, camps: [n].
+        rows, mask, obs, tasks, alive, state: the buffers of a `Sight`, [slots, ...].
+    """
+    rules = rules_array[0]
+    for k in range(which.size):
+        s, b, camp = slots[k], which[k], camps[k]
+        list_tasks(camp, games[b], pieces[b], memory[b], rules, cells, eta, spots, rows[s], mask[s])
+        observe(
+            camp, games[b], pieces[b], memory[b], plans[b], rules, cells, los, eta,
+            rows[s], mask[s], obs[s], tasks[s], alive[s],
+        )  # fmt: skip
+        if state.shape[1] > 0:
+            global_state(camp, games[b], pieces[b], rules, cells, state[s])
+
+
+@kernel
+def choose_batch(
+    slots: Rows,
+    which: Rows,
+    camps: Rows,
+    actions: Rows,
+    drives: Rows,
+    games: Rows,
+    plans: Rows,
+    rows: Rows,
+    mask: Rows,
+    illegal: Rows,
+) -> None:
+    """Give the pieces of camp camps[k] in game which[k] the tasks that actions[k] names.
+
+    Args:
+        slots, which, camps: [n]; actions: task indices [n, N].
+        rows, mask: the task sets that were seen, [slots, N, K].
+        illegal: out, actions of each game that name no valid task, [n]; they stand for stop.
+    """
+    for k in range(which.size):
+        s, b, camp = slots[k], which[k], camps[k]
+        illegal[k] = count_illegal(actions[k], mask[s])
+        choose_tasks(camp, actions[k], games[b], rows[s], mask[s], plans[b])
+        note_decision(camp, drives[b], games[b], plans[b])
+
+
+@kernel
+def count_illegal(actions: Rows, mask: Rows) -> int:
+    """Number of actions [N] that are out of range or masked in mask [N, K]."""
+    count = 0
+    for n in range(actions.size):
+        if actions[n] < 0 or actions[n] >= mask.shape[1] or mask[n, actions[n]] == 0:
+            count += 1
+    return count
+
+
+@kernel
+def note_decision(camp: int, drive: Row, game: Row, plans: Rows) -> None:
+    """A camp has decided: it acts in this very state, and starts to wait for its next cause."""
+    drive.due[camp] = 0
+    drive.fresh[camp] = 1
+    drive.decided_at[camp] = game.tick
+    drive.ended[camp] = ended_tasks(camp, game, plans)

@@ -1,0 +1,101 @@
+"""Many games between two players: what happened in each of them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hexwar_sb3.engine.world import load_world
+from hexwar_sb3.errors import ConfigError
+from hexwar_sb3.maps.scenario import Scenario
+from hexwar_sb3.play.arena import Arena, Games, Setup
+from hexwar_sb3.play.player import Player, Seat, make_player
+from hexwar_sb3.play.records import DECISION_TICKS, DRIVE
+from hexwar_sb3.play.seeds import check_seed, game_seed
+from hexwar_sb3.rules.enums import Camp
+
+BATCH_GAMES = 64  # played together; no result depends on it
+
+
+@dataclass(frozen=True)
+class MatchGames:
+    """Outcome of every game of a match; a row is a game."""
+
+    margin: NDArray[np.int64]  # red's, eq. (1), points [games]
+    win: NDArray[np.float64]  # 1 red won, 0.5 draw, 0 blue won [games]
+    points_held: NDArray[np.int64]  # control points at the end [games, camp]
+    ticks: NDArray[np.int64]  # length [games]
+    actions: NDArray[np.int64]  # orders carried out [games, camp, Action]
+
+
+def play_games(
+    red: object,
+    blue: object,
+    games: int,
+    scenario: str | Path | Scenario = "plain",
+    seed: int = 0,
+    *,
+    decision_ticks: int | tuple[int, int] = DECISION_TICKS,
+    progress: Callable[[int], object] | None = None,
+) -> MatchGames:
+    """Play games 0..games-1 of a seed; game k is the same game in every match with these players.
+
+    Args:
+        red, blue: players as `make_player` takes them.
+        games: number of games.
+        scenario: name, file or object.
+        seed: of the match.
+        decision_ticks: between decisions, of both camps or of (red, blue); bots have their own.
+        progress: called with the number of games that have ended, now and then.
+    """
+    check_seed(seed)
+    if games < 0:
+        raise ConfigError(f"games must be >= 0, got {games}")
+    pair = decision_ticks if isinstance(decision_ticks, tuple) else (decision_ticks, decision_ticks)
+    seats = make_player(red), make_player(blue)
+    arena = Arena(load_world(scenario), min(games, BATCH_GAMES), Setup(decision_ticks=pair))
+    results = _empty(games)
+    for first in range(0, games, BATCH_GAMES):
+        which = np.arange(min(BATCH_GAMES, games - first))
+        _play_batch(arena, which, seats, [game_seed(seed, first + int(b)) for b in which])
+        _record(arena, which, results, first)
+        if progress is not None:
+            progress(first + len(which))
+    return results
+
+
+def _play_batch(arena: Arena, which: Games, seats: tuple[Seat, Seat], seeds: list[int]) -> None:
+    for seat in seats:
+        if isinstance(seat, Player):
+            seat.reset()
+    for b in which:
+        arena.begin(int(b), seeds[b], *seats)
+    while which.size:
+        arena.ask(which)
+        arena.advance(which)
+        which = which[~arena.over(which)]
+
+
+def _empty(games: int) -> MatchGames:
+    n_actions = DRIVE["actions"].shape[1]
+    return MatchGames(
+        margin=np.zeros(games, np.int64),
+        win=np.zeros(games),
+        points_held=np.zeros((games, 2), np.int64),
+        ticks=np.zeros(games, np.int64),
+        actions=np.zeros((games, 2, n_actions), np.int64),
+    )
+
+
+def _record(arena: Arena, which: Games, results: MatchGames, first: int) -> None:
+    rows = first + which
+    results.margin[rows] = arena.margins(which, np.full(len(which), Camp.RED))
+    results.win[rows] = arena.wins(which, np.full(len(which), Camp.RED))
+    results.ticks[rows] = arena.state.games.tick[which]
+    results.actions[rows] = arena.drives.actions[which]
+    for b in which:
+        results.points_held[first + b] = [arena.points_held(b, camp) for camp in (Camp.RED, Camp.BLUE)]

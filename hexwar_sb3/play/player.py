@@ -1,0 +1,134 @@
+"""Who can play a camp: a compiled bot, a policy folder, or any object that acts or predicts."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Protocol, TypeAlias, cast, runtime_checkable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hexwar_sb3.bots.registry import BOTS
+from hexwar_sb3.errors import ConfigError, UnknownNameError
+from hexwar_sb3.play.frozen import FrozenPolicy
+
+Observation: TypeAlias = Mapping[str, NDArray[Any]]
+Actions: TypeAlias = NDArray[np.int64]
+
+POLICY_FILE = "config.json"  # marks a policy folder
+_OPPONENT_STREAM = 1  # keeps the draw of opponents apart from every other draw of an episode
+
+
+@runtime_checkable
+class Player(Protocol):
+    """Picks a task for every piece of a camp, for many games at once."""
+
+    def reset(self) -> None:
+        """Forget everything: new games begin."""
+
+    def act(self, obs: Observation) -> Actions:
+        """Pick task indices [games, pieces] from a batch of observations [games, ...]."""
+
+
+@dataclass(frozen=True)
+class BotPlayer:
+    """A scripted player; it runs compiled inside the drive loop, with any number of games."""
+
+    name: str
+    bot: int  # its id in the drive loop
+
+
+@dataclass(frozen=True)
+class ModelPlayer:
+    """Any object with Stable-Baselines3's `predict`, playing greedily."""
+
+    model: Any
+
+    def reset(self) -> None:
+        """Nothing to forget: recurrent models are not supported."""
+
+    def act(self, obs: Observation) -> Actions:
+        """Ask the model; one that takes `action_masks` (MaskablePPO) gets them."""
+        masks = {}
+        if "action_masks" in inspect.signature(self.model.predict).parameters:
+            mask = obs["action_mask"]
+            masks["action_masks"] = mask.reshape(len(mask), -1)
+        actions, _ = self.model.predict(dict(obs), deterministic=True, **masks)
+        return cast("Actions", actions)
+
+
+Seat: TypeAlias = BotPlayer | Player
+
+
+def make_player(player: object) -> Seat:
+    """Turn a bot's name, a policy folder, or an object with `act` or `predict` into a player.
+
+    Raises:
+        UnknownNameError: neither a bot nor a folder has this name.
+        ConfigError: the object cannot play.
+
+    Example:
+        >>> make_player("MA1").name
+        'MA1'
+    """
+    if isinstance(player, str | Path):
+        return _named_player(player)
+    if isinstance(player, BotPlayer | Player):
+        return player
+    if hasattr(player, "predict"):
+        return ModelPlayer(player)
+    raise ConfigError(f"a player is a name, a folder, or has act() or predict(); got {player!r}")
+
+
+def _named_player(name: str | Path) -> Seat:
+    if name in BOTS:
+        return BotPlayer(str(name), BOTS[str(name)].id)
+    folder = Path(name)
+    for place in (folder, folder / "policy"):
+        if (place / POLICY_FILE).is_file():
+            return FrozenPolicy.load(place)
+    raise UnknownNameError("player", str(name), BOTS)
+
+
+@dataclass(frozen=True)
+class Mixture:
+    """Opponents with weights; each episode draws one of them by its number alone."""
+
+    players: tuple[Seat, ...]
+    weights: tuple[float, ...]
+    shares: NDArray[np.float64] = field(init=False, compare=False)
+
+    def __post_init__(self) -> None:
+        weights = np.asarray(self.weights, dtype=np.float64)
+        if not self.players or (weights < 0).any() or weights.sum() <= 0:
+            raise ConfigError(f"opponents need weights >= 0 with a positive sum, got {self.weights}")
+        object.__setattr__(self, "shares", weights.cumsum() / weights.sum())
+
+    def draw(self, seed: int, episode: int) -> int:
+        """Index of the opponent of an episode."""
+        if len(self.players) == 1:
+            return 0
+        point = np.random.default_rng([seed, episode, _OPPONENT_STREAM]).random()
+        return int(np.searchsorted(self.shares, point, side="right"))
+
+
+def make_mixture(opponent: object) -> Mixture:
+    """One opponent, a list of them (equal weights), or a list of (opponent, weight).
+
+    Example:
+        >>> make_mixture([("MA1", 3), ("MA2", 1)]).weights
+        (3.0, 1.0)
+    """
+    if not isinstance(opponent, list | tuple):
+        opponent = [opponent]
+    pairs = [_with_weight(one) for one in cast("Sequence[object]", opponent)]
+    return Mixture(tuple(make_player(one) for one, _ in pairs), tuple(weight for _, weight in pairs))
+
+
+def _with_weight(entry: object) -> tuple[object, float]:
+    if isinstance(entry, tuple) and len(entry) == 2:
+        return entry[0], float(entry[1])
+    return entry, 1.0

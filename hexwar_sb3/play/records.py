@@ -1,0 +1,29 @@
+"""What the drive loop keeps of a game beside the engine's state."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from hexwar_sb3.engine.records import MAX_PIECES
+from hexwar_sb3.rules.enums import Action
+
+DECISION_TICKS = 75  # Delta-t of the paper (IV); a setting, not a rule
+EXTERNAL = 255  # seat: somebody outside the loop picks this camp's tasks; else a bot's id
+
+DRIVE = np.dtype(
+    [
+        ("seat", "u1", (2,)),  # [camp] EXTERNAL or a bot's id
+        ("asked", "u1", (2,)),  # [camp] 1: the loop stops at its decisions (always so for EXTERNAL)
+        ("period", "i2", (2,)),  # [camp] ticks between its regular decisions
+        ("early", "u1", (2,)),  # [camp] 1: also decides after an own loss or an ended task
+        ("due", "u1", (2,)),  # [camp] 1: this asked camp is to decide now
+        ("fresh", "u1", (2,)),  # [camp] 1: it has picked, and nobody acted on it yet
+        ("decided_at", "i2", (2,)),  # [camp] tick of its last decision
+        ("ended", "u4", (2,)),  # [camp] bit i: piece i's task had ended before that decision
+        ("act_at", "i2"),  # tick at which both camps look at the game next
+        ("given", "u1", (MAX_PIECES,)),  # Action given to each piece in the step under way
+        ("actions", "i4", (2, len(Action))),  # [camp, Action] orders carried out so far
+    ],
+    align=True,
+)
+"""drives[B]: who sits where, when they decide, and what they did."""

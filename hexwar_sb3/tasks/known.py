@@ -1,0 +1,140 @@
+"""What a camp may know of the enemy, and small questions about its own pieces.
+
+An enemy is read through `memory[camp]` only: nothing here depends on what the camp can neither
+see nor remember (rule book, section 6).
+"""
+
+from __future__ import annotations
+
+from hexwar_sb3.engine.fire import height_correction
+from hexwar_sb3.engine.pieces import target_class
+from hexwar_sb3.engine.records import NEVER, NO_CELL
+from hexwar_sb3.engine.sight import line_of_sight
+from hexwar_sb3.kernels import Row, Rows, kernel
+from hexwar_sb3.maps.geometry import cells_apart
+from hexwar_sb3.rules.compiled import NO_POOL
+from hexwar_sb3.rules.enums import Camp, PieceType
+
+
+@kernel
+def first_piece(camp: int, game: Row) -> int:
+    """Index of a camp's first piece."""
+    return 0 if camp == Camp.RED else int(game.n_red)
+
+
+@kernel
+def end_piece(camp: int, game: Row) -> int:
+    """Index behind a camp's last piece."""
+    return int(game.n_red) if camp == Camp.RED else int(game.n_pieces)
+
+
+@kernel
+def ticks_left(ends: int, tick: int) -> int:
+    """The view of an end tick as a counter: 0 when it does not run."""
+    if ends == NEVER or ends <= tick:
+        return 0
+    return int(ends) - int(tick)
+
+
+@kernel
+def is_known(known: Row) -> bool:
+    """Seen at least once, and not known to be destroyed."""
+    return known.cell != NO_CELL and known.blood > 0
+
+
+@kernel
+def sees_itself(piece: Row, j: int) -> bool:
+    """The piece itself sees piece j now."""
+    return (int(piece.sees) >> j) & 1 == 1
+
+
+@kernel
+def reach_of_sight(kind: int, cell: int, target_kind: int, known: Row, rules: Row, cells: Rows) -> int:
+    """Greatest distance at which a type of piece in `cell` would see a known enemy (section 6)."""
+    reach = int(rules.sight[kind, target_kind])
+    if known.hidden:
+        lower = kind == PieceType.AEROCRAFT or cells[known.cell].elev_m < cells[cell].elev_m
+        if target_kind == PieceType.SOLDIER or not lower:
+            reach = max(1, reach // int(rules.hidden_sight_divisor))
+    if cells[known.cell].concealed and target_kind != PieceType.AEROCRAFT:
+        reach = max(1, reach // int(rules.concealed_sight_divisor))
+    return reach
+
+
+@kernel
+def has_line_from(kind: int, cell: int, target_kind: int, target_cell: int, los: Rows) -> bool:
+    """Line of sight between two cells, as far as it depends on who is airborne."""
+    if kind == PieceType.AEROCRAFT:
+        return line_of_sight(los, 2 if target_kind == PieceType.AEROCRAFT else 1, cell, target_cell)
+    if target_kind == PieceType.AEROCRAFT:
+        return line_of_sight(los, 1, target_cell, cell)
+    return line_of_sight(los, 0, cell, target_cell)
+
+
+@kernel
+def would_see(
+    kind: int, cell: int, target_kind: int, known: Row, rules: Row, cells: Rows, los: Rows
+) -> bool:
+    """Whether a type of piece in `cell` would see the enemy where it was last seen."""
+    apart = cells_apart(cells, cell, known.cell)
+    if apart > reach_of_sight(kind, cell, target_kind, known, rules, cells):
+        return False
+    return has_line_from(kind, cell, target_kind, known.cell, los)
+
+
+@kernel
+def level_from(
+    weapon: int, kind: int, blood: int, cell: int, target_kind: int, target_cell: int, rules: Row, cells: Rows
+) -> int:
+    """Attack level between two cells, height corrected; 0: no shot (section 7)."""
+    apart = cells_apart(cells, cell, target_cell)
+    if apart >= rules.level.shape[3]:
+        return 0
+    level = int(rules.level[weapon, target_class(target_kind), blood, apart])
+    if level == 0 or kind == PieceType.AEROCRAFT or target_kind == PieceType.AEROCRAFT:
+        return level
+    uphill = int(cells[target_cell].level) - int(cells[cell].level)
+    return max(0, level + height_correction(uphill, apart, rules))
+
+
+@kernel
+def best_level(
+    kind: int, blood: int, cell: int, target_kind: int, target_cell: int, rules: Row, cells: Rows
+) -> int:
+    """Highest attack level of any weapon of a type of piece, ammunition aside."""
+    best = 0
+    for weapon in range(rules.pool.shape[1]):
+        if rules.pool[kind, weapon] != NO_POOL:
+            level = level_from(weapon, kind, blood, cell, target_kind, target_cell, rules, cells)
+            best = max(best, level)
+    return best
+
+
+@kernel
+def armed_level(
+    piece: Row, cell: int, target_kind: int, target_cell: int, rules: Row, cells: Rows
+) -> int:
+    """Highest attack level of the weapons that the piece still has rounds for, fired from `cell`."""
+    best = 0
+    for weapon in range(rules.pool.shape[1]):
+        pool = rules.pool[piece.kind, weapon]
+        if pool != NO_POOL and piece.ammo[pool] > 0:
+            level = level_from(
+                weapon, piece.kind, piece.blood, cell, target_kind, target_cell, rules, cells
+            )
+            best = max(best, level)
+    return best
+
+
+@kernel
+def can_hurt(piece: Row, target_kind: int, rules: Row) -> bool:
+    """Some weapon of the piece, with rounds left, has a level against the type at some distance."""
+    target = target_class(target_kind)
+    for weapon in range(rules.pool.shape[1]):
+        pool = rules.pool[piece.kind, weapon]
+        if pool == NO_POOL or piece.ammo[pool] == 0:
+            continue
+        for apart in range(rules.level.shape[3]):
+            if rules.level[weapon, target, piece.blood, apart] > 0:
+                return True
+    return False

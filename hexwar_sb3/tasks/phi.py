@@ -1,0 +1,152 @@
+"""From a task and an answer of the lower level to an order: phi, eq. (2)."""
+
+from __future__ import annotations
+
+from hexwar_sb3.engine.codes import Code
+from hexwar_sb3.engine.legality import occupy_code, order_code
+from hexwar_sb3.engine.pieces import has_path, hop_progress, in_fight, stands_in
+from hexwar_sb3.engine.records import NO_CELL, NO_PIECE, ROUND_FLYING
+from hexwar_sb3.kernels import Row, Rows, kernel
+from hexwar_sb3.maps.geometry import cells_apart
+from hexwar_sb3.rules.enums import Action, PieceType
+from hexwar_sb3.tasks.known import end_piece, first_piece
+from hexwar_sb3.tasks.records import TaskKind
+
+
+@kernel
+def give(
+    i: int, kind: int, target: int, cell: int, game: Row, pieces: Rows, orders: Rows, rules: Row, cells: Rows
+) -> bool:
+    """Write an order if it is legal now; False, and no order, if it is not.
+
+    Args:
+        target: carrier to board or passenger to set down, else NO_PIECE.
+        cell: where to lob a round, else NO_CELL.
+    """
+    order = orders[i]
+    order.kind = kind
+    order.target = target
+    order.cell = cell
+    return keep_if_legal(i, game, pieces, orders, rules, cells)
+
+
+@kernel
+def keep_if_legal(i: int, game: Row, pieces: Rows, orders: Rows, rules: Row, cells: Rows) -> bool:
+    """Take an illegal order back."""
+    if order_code(i, orders[i], game, pieces, rules, cells) == Code.OK:
+        return True
+    orders[i].kind = Action.NULL
+    return False
+
+
+@kernel
+def give_move(
+    i: int, direction: int, game: Row, pieces: Rows, orders: Rows, rules: Row, cells: Rows
+) -> bool:
+    """One hop in a direction, if it is legal now."""
+    orders[i].kind = Action.MOVE
+    orders[i].path_len = 1
+    orders[i].path[0] = direction
+    return keep_if_legal(i, game, pieces, orders, rules, cells)
+
+
+@kernel
+def give_shot(
+    i: int, target: int, weapon: int, game: Row, pieces: Rows, orders: Rows, rules: Row, cells: Rows
+) -> bool:
+    """A direct shot, if it is legal now."""
+    orders[i].weapon = weapon
+    return give(i, Action.SHOOT, target, NO_CELL, game, pieces, orders, rules, cells)
+
+
+@kernel
+def give_guided(
+    i: int, target: int, chariot: int, game: Row, pieces: Rows, orders: Rows, rules: Row, cells: Rows
+) -> bool:
+    """A guided shot, if it is legal now."""
+    orders[i].partner = chariot
+    return give(i, Action.GUIDE_SHOOT, target, NO_CELL, game, pieces, orders, rules, cells)
+
+
+@kernel
+def may_turn_back(piece: Row, tick: int) -> bool:
+    """A stop would make the piece stand in its cell: it waits, or is in the first half of a hop."""
+    if not has_path(piece) or piece.stop_pending == 1:
+        return False
+    return piece.waiting == 1 or 2 * hop_progress(piece, tick) < piece.hop_need
+
+
+@kernel
+def may_occupy(i: int, game: Row, pieces: Rows, memory: Rows, cells: Rows) -> bool:
+    """Piece i stands on a control point that it can take: no enemy is seen there or beside it."""
+    piece = pieces[i]
+    if occupy_code(piece, game, cells) != Code.OK:
+        return False
+    for j in range(first_piece(1 - piece.camp, game), end_piece(1 - piece.camp, game)):
+        known = memory[piece.camp, j]
+        ground = pieces[j].kind != PieceType.AEROCRAFT
+        if known.seen and known.blood > 0 and ground and cells_apart(cells, piece.cell, known.cell) <= 1:
+            return False
+    return True
+
+
+@kernel
+def has_flying_round(i: int, rounds: Rows) -> bool:
+    """A mortar round of piece i is in the air; a move would lose it."""
+    for r in range(rounds.size):
+        if rounds[r].owner == i and rounds[r].status == ROUND_FLYING:
+            return True
+    return False
+
+
+@kernel
+def is_own_in(camp: int, cell: int, game: Row, pieces: Rows) -> bool:
+    """An own ground piece stands in a cell."""
+    for i in range(first_piece(camp, game), end_piece(camp, game)):
+        if stands_in(pieces[i], cell):
+            return True
+    return False
+
+
+@kernel
+def task_action(
+    i: int, game: Row, pieces: Rows, memory: Rows, orders: Rows, plans: Rows, rules: Row, cells: Rows
+) -> bool:
+    """The action of piece i's task, ordered if it is legal now and the piece is at its place.
+
+    Direct and guided shots are not here: they come from `execute`, which sees all shooters.
+    """
+    piece = pieces[i]
+    plan = plans[i]
+    kind = plan.kind
+    at_place = plan.cell == NO_CELL or plan.cell == piece.cell
+    if (kind == TaskKind.HIDE or kind == TaskKind.SHADOW) and at_place:
+        return give(i, Action.HIDE, NO_PIECE, NO_CELL, game, pieces, orders, rules, cells)
+    if kind == TaskKind.DROP and at_place:
+        return give(i, Action.GET_OFF, piece.passenger, NO_CELL, game, pieces, orders, rules, cells)
+    if kind == TaskKind.BOMBARD:
+        cell = memory[piece.camp, plan.target].cell
+        if is_own_in(piece.camp, cell, game, pieces):
+            return False
+        return give(i, Action.INDIRECT_SHOOT, NO_PIECE, cell, game, pieces, orders, rules, cells)
+    if kind == TaskKind.BOARD and not in_fight(game, piece):
+        return give(i, Action.GET_ON, plan.target, NO_CELL, game, pieces, orders, rules, cells)
+    if kind == TaskKind.RECOVER:
+        return give(i, Action.DECOMPRESS, NO_PIECE, NO_CELL, game, pieces, orders, rules, cells)
+    if kind == TaskKind.STOP and may_turn_back(piece, game.tick):
+        return give(i, Action.STOP, NO_PIECE, NO_CELL, game, pieces, orders, rules, cells)
+    return False
+
+
+@kernel
+def phi(
+    i: int, answer: int, game: Row, pieces: Rows, memory: Rows, orders: Rows, plans: Rows, rules: Row, cells: Rows
+) -> bool:
+    """phi(task, answer), eq. (2): the task's action for 0, else one hop in direction answer - 1.
+
+    Returns:
+        Whether an order was given; what is not legal now is asked for again at the next event.
+    """
+    if answer == 0:
+        return task_action(i, game, pieces, memory, orders, plans, rules, cells)
+    return give_move(i, answer - 1, game, pieces, orders, rules, cells)

@@ -1,0 +1,57 @@
+"""How long the way to a cell is, and its next hop: read off the distance fields, no search."""
+
+from __future__ import annotations
+
+from hexwar_sb3.engine.pieces import hop_from
+from hexwar_sb3.kernels import Row, Rows, kernel
+from hexwar_sb3.maps.geometry import NO_DIRECTION, cells_apart, frame_direction
+from hexwar_sb3.maps.travel import TOO_FAR
+from hexwar_sb3.rules.enums import HopClass, PieceType
+
+UNREACHABLE = 32000  # ticks; more than any game lasts
+CONCEALED_SHELTER = 0.3  # what concealment takes off the cost of a covered way (bots.md, section 1)
+
+
+@kernel
+def travel_ticks(kind: int, start: int, goal: int, rules: Row, cells: Rows, eta: Rows) -> int:
+    """Fastest time of a type of piece from one cell to another, ticks; UNREACHABLE: no way."""
+    base = int(rules.base_hop[kind])
+    if kind == PieceType.AEROCRAFT:
+        return base * cells_apart(cells, start, goal)
+    hops = int(eta[HopClass.SOLDIER if kind == PieceType.SOLDIER else HopClass.VEHICLE, goal, start])
+    return UNREACHABLE if hops == TOO_FAR else base * hops
+
+
+@kernel
+def hop_cost(cell: int, hop: int, covered: bool, cells: Rows) -> float:
+    """Cost of a hop into a cell: its ticks, on a covered way weighed by how exposed the cell is."""
+    if not covered:
+        return float(hop)
+    shelter = CONCEALED_SHELTER if cells[cell].concealed else 0.0
+    return float(hop) * (1.0 + float(cells[cell].exposure) - shelter)
+
+
+@kernel
+def next_direction(
+    kind: int, camp: int, start: int, goal: int, covered: bool, rules: Row, cells: Rows, eta: Rows
+) -> int:
+    """Direction of the cheapest next hop to a cell, ties in the camp's frame; NO_DIRECTION: none.
+
+    A covered way only takes hops that shorten the way, so it arrives too.
+    """
+    best = NO_DIRECTION
+    best_cost = float(UNREACHABLE)
+    if start == goal:
+        return best
+    from_here = travel_ticks(kind, start, goal, rules, cells, eta)
+    for framed in range(6):
+        d = frame_direction(framed, camp)
+        hop = hop_from(kind, start, d, rules, cells)
+        if hop == 0:
+            continue
+        cell = cells[start].neighbour[d]
+        rest = travel_ticks(kind, cell, goal, rules, cells, eta)
+        cost = rest + hop_cost(cell, hop, covered, cells)
+        if rest < from_here and cost < best_cost:
+            best, best_cost = d, cost
+    return best

@@ -1,0 +1,142 @@
+"""The policy class for Stable-Baselines3: agent network, mixer, their targets, optimiser."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import torch
+from gymnasium import spaces
+from stable_baselines3.common.policies import BasePolicy
+from stable_baselines3.common.type_aliases import PyTorchObs, Schedule
+from torch import Tensor
+
+from hexwar_sb3.errors import ConfigError, UnknownNameError
+from hexwar_sb3.play.frozen import FrozenPolicy
+from hexwar_sb3.policies.agent import NETWORKS, AgentNetwork, TaskNetwork
+from hexwar_sb3.policies.mixers import MIXERS, Mixer
+from hexwar_sb3.policies.shapes import TaskShapes
+from hexwar_sb3.policies.task_sets import pack_observation
+
+Observation = Mapping[str, np.ndarray]
+
+
+class TaskPolicy(BasePolicy):
+    """Picks a task for every piece: the valid one with the highest Q_i.
+
+    Args:
+        observation_space: the task env's Dict; its `state` is not needed to act.
+        action_space: a task of each piece.
+        lr_schedule: learning rate as a function of SB3's progress.
+        mixer: "qmix", "vdn" or "iql".
+        mixer_kwargs: further arguments of the mixer.
+        state_dim: size of the mixer's state; None reads it from the observation space.
+        network: "additive", or "literal" for layers over concatenations (the same functions, slower).
+        hidden: width of the agent network.
+        embed: width of a task's embedding.
+        optimizer_class: Adam by default.
+        optimizer_kwargs: its arguments beside the learning rate.
+    """
+
+    def __init__(
+        self,
+        observation_space: spaces.Space,
+        action_space: spaces.Space,
+        lr_schedule: Schedule,
+        *,
+        mixer: str = "qmix",
+        mixer_kwargs: dict[str, Any] | None = None,
+        state_dim: int | None = None,
+        network: str = "additive",
+        hidden: int = 64,
+        embed: int = 32,
+        optimizer_class: type[torch.optim.Optimizer] = torch.optim.Adam,
+        optimizer_kwargs: dict[str, Any] | None = None,
+    ) -> None:
+        super().__init__(
+            observation_space, action_space, optimizer_class=optimizer_class, optimizer_kwargs=optimizer_kwargs
+        )
+        self.shapes = TaskShapes.of(observation_space, action_space)
+        self.sizes = {"hidden": hidden, "embed": embed}
+        self.mixer_name, self.mixer_kwargs = mixer, mixer_kwargs or {}
+        self.network, self.state_dim = network, state_dim or self.shapes.state_dim
+        self.agent, self.agent_target = self._make_agent(), self._make_agent()
+        self.mixer, self.mixer_target = self._make_mixer(), self._make_mixer()
+        self.agent_target.load_state_dict(self.agent.state_dict())
+        self.mixer_target.load_state_dict(self.mixer.state_dict())
+        for parameter in self.target_parameters():
+            parameter.requires_grad_(False)
+        self.optimizer = optimizer_class(self.trained_parameters(), lr=lr_schedule(1), **self.optimizer_kwargs)  # type: ignore[call-arg]
+
+    def _make_agent(self) -> TaskNetwork:
+        if self.network not in NETWORKS:
+            raise UnknownNameError("network", self.network, NETWORKS)
+        return NETWORKS[self.network](self.shapes.obs_dim, self.shapes.task_dim, **self.sizes)
+
+    def _make_mixer(self) -> Mixer:
+        if self.mixer_name not in MIXERS:
+            raise UnknownNameError("mixer", self.mixer_name, MIXERS)
+        return MIXERS[self.mixer_name](self.shapes.n_pieces, self.state_dim, **self.mixer_kwargs)
+
+    def trained_parameters(self) -> list[torch.nn.Parameter]:
+        """Parameters of the online networks, which gradients change."""
+        return [*self.agent.parameters(), *self.mixer.parameters()]
+
+    def target_parameters(self) -> list[torch.nn.Parameter]:
+        """Parameters of the target networks, in the same order."""
+        return [*self.agent_target.parameters(), *self.mixer_target.parameters()]
+
+    def greedy(self, observation: Observation) -> np.ndarray:
+        """Best valid task of every piece in a batch of games [B, N]."""
+        with torch.no_grad():
+            sets = pack_observation(observation, self.device)
+            best = sets.best(self.agent.q_values(sets))
+        return best.cpu().numpy().reshape(-1, self.shapes.n_pieces)
+
+    def predict(
+        self,
+        observation: np.ndarray | dict[str, np.ndarray],
+        state: tuple[np.ndarray, ...] | None = None,
+        episode_start: np.ndarray | None = None,
+        deterministic: bool = True,
+    ) -> tuple[np.ndarray, tuple[np.ndarray, ...] | None]:
+        """Greedy tasks for one observation or a batch; the key `state` is ignored."""
+        if not isinstance(observation, dict):
+            raise ConfigError("predict() takes the task env's dict of arrays (Gymnasium's reset() returns obs, info)")
+        if observation["obs"].ndim == 3:
+            return self.greedy(observation), state
+        return self.greedy({key: np.asarray(value)[None] for key, value in observation.items()})[0], state
+
+    def forward(self, obs: PyTorchObs, deterministic: bool = True) -> Tensor:
+        """Best tasks, from tensors [B, N]."""
+        return self._predict(obs, deterministic)
+
+    def _predict(self, observation: PyTorchObs, deterministic: bool = True) -> Tensor:
+        q = self.agent(*(observation[key] for key in ("obs", "tasks", "action_mask")))  # type: ignore[index]
+        return q.argmax(dim=-1)  # type: ignore[no-any-return]
+
+    def freeze(self, **about: str) -> FrozenPolicy:
+        """Copy the agent network into a policy without torch, for play, sharing and files.
+
+        Args:
+            about: what the policy is for: rules hash, scenario, camp, command, and so on.
+        """
+        if not isinstance(self.agent, AgentNetwork):
+            raise ConfigError("only the additive network can be frozen; train with network='additive'")
+        weights = {name: tensor.detach().cpu().numpy().copy() for name, tensor in self.agent.state_dict().items()}
+        return FrozenPolicy(weights, n_pieces=self.shapes.n_pieces, n_tasks=self.shapes.n_tasks, about=about)
+
+    def _get_constructor_parameters(self) -> dict[str, Any]:
+        return {
+            "observation_space": self.observation_space,
+            "action_space": self.action_space,
+            "lr_schedule": self._dummy_schedule,
+            "mixer": self.mixer_name,
+            "mixer_kwargs": self.mixer_kwargs,
+            "state_dim": self.state_dim,
+            "network": self.network,
+            **self.sizes,
+            "optimizer_class": self.optimizer_class,
+            "optimizer_kwargs": self.optimizer_kwargs,
+        }
