@@ -19,7 +19,9 @@ def draw_curve(history: History, path: Path) -> None:
     FigureCanvasAgg(figure)
     shares, margins = figure.subplots(1, 2)
     _draw(shares, history.timesteps, [result.win_rate for result in history.results], "win rate")
-    _draw(margins, history.timesteps, [result.mean_margin for result in history.results], "mean margin, points")
+    _draw(
+        margins, history.timesteps, [result.mean_margin for result in history.results], "mean margin, points"
+    )
     shares.set_ylim(0, 1)
     margins.axhline(0, color="grey", linewidth=0.8)
     with replacing(path) as temporary:

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import cast
 
+from hexwar_sb3.algorithms.qmix import QMIX
 from hexwar_sb3.callbacks.curve import draw_curve
 from hexwar_sb3.callbacks.every import EverySteps
 from hexwar_sb3.evaluation.history import History
@@ -25,7 +27,8 @@ class WinRateCallback(EverySteps):
         scenario: where the games are played.
         games: games an opponent and colour.
         seed: the user's seed.
-        folder: gets `evaluations.npz`, `learning_curve.png` and `best_model.zip`.
+        folder: gets `evaluations.npz`, `learning_curve.png`, `best_model.zip` and `policy/`, the best one.
+        about: texts for `policy/config.json`.
         camps: the camps that the model plays.
     """
 
@@ -38,11 +41,12 @@ class WinRateCallback(EverySteps):
         games: int,
         seed: int,
         folder: Path,
+        about: Mapping[str, str],
         camps: Sequence[str] = CAMPS,
     ) -> None:
         super().__init__(every)
         self.opponents, self.scenario, self.games, self.camps = opponents, scenario, games, camps
-        self.seed, self.folder = seed, folder
+        self.seed, self.folder, self.about = seed, folder, about
         self.history = History()
 
     @property
@@ -59,8 +63,9 @@ class WinRateCallback(EverySteps):
     def fire(self) -> None:
         """Evaluate, record, draw, and save the model if it is the best so far."""
         best = max((result.mean_margin.value for result in self.history.results), default=float("-inf"))
+        policy = cast("QMIX", self.model).policy.freeze(**self.about)
         panel = play_panel(
-            self.model.policy.freeze(),
+            policy,
             self.opponents,
             name="trained",
             games=self.games,
@@ -77,3 +82,4 @@ class WinRateCallback(EverySteps):
         draw_curve(self.history, self.folder / "learning_curve.png")
         if result.mean_margin.value > best:
             self.model.save(self.folder / "best_model.zip")
+            policy.save(self.folder / "policy")

@@ -22,6 +22,7 @@ if TYPE_CHECKING:  # for type checkers and editors; `_HOMES` says the same to Py
     from hexwar_sb3.engine.orders import Hide as Hide
     from hexwar_sb3.engine.orders import IndirectShoot as IndirectShoot
     from hexwar_sb3.engine.orders import Move as Move
+    from hexwar_sb3.engine.orders import Null as Null
     from hexwar_sb3.engine.orders import Occupy as Occupy
     from hexwar_sb3.engine.orders import Shoot as Shoot
     from hexwar_sb3.engine.orders import Stop as Stop
@@ -50,6 +51,7 @@ _HOMES = {
     "IndirectShoot": "engine.orders",
     "JointActionEnv": "envs.joint_action",
     "Move": "engine.orders",
+    "Null": "engine.orders",
     "Occupy": "engine.orders",
     "QMIX": "algorithms.qmix",
     "Replay": "engine.replay",
@@ -69,6 +71,8 @@ __all__ = [*_HOMES, "rules"]  # noqa: PLE0604  (all of them are strings)
 _here = Path(__file__).parent
 if any((_here / link).is_file() for link in _LINKS):
     __path__.append(str(_here.parent))
+
+import_module("hexwar_sb3.envs")  # registers the ids for `gymnasium.make`
 
 
 def __getattr__(name: str) -> object:

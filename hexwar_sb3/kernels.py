@@ -2,15 +2,18 @@
 
 numba's own cache looks only at the file that holds the compiled function, so a change in
 another file leaves a stale kernel behind. Here the cache folder is named by the hash of every
-kernel source: a stale kernel cannot be loaded, and a second start is fast.
+source that the file imports, near or far: a stale kernel cannot be loaded, a second start is
+fast, and an edit leaves alone what does not depend on it.
 Without compilation (`NUMBA_DISABLE_JIT=1`) every kernel runs as plain Python.
 """
 
 from __future__ import annotations
 
+import ast
 import hashlib
 import os
 from collections.abc import Callable
+from functools import lru_cache
 from pathlib import Path
 from typing import Any, TypeAlias, TypeVar, cast
 
@@ -25,7 +28,6 @@ Row: TypeAlias = Any  # one record of a record array; numpy cannot type its fiel
 Rows: TypeAlias = Any  # a record array
 
 _PACKAGE = Path(__file__).parent
-_KERNEL_LAYERS = ("rules", "maps", "engine", "tasks", "bots", "play")
 
 
 def cache_root() -> Path:
@@ -39,25 +41,40 @@ def cache_root() -> Path:
     return Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache")) / "hexwar_sb3"
 
 
-def source_hash() -> str:
-    """Hash of every source file that a kernel may come from, and of numba's version."""
+@lru_cache
+def imports_of(path: Path) -> frozenset[Path]:
+    """Files of this package that a file imports from, itself included, one step far."""
+    found = {path}
+    for node in ast.walk(ast.parse(path.read_bytes())):
+        if isinstance(node, ast.ImportFrom) and (node.module or "").partition(".")[0] == _PACKAGE.name:
+            base = _PACKAGE.parent.joinpath(*str(node.module).split("."))
+            named = [base / f"{alias.name}.py" for alias in node.names]
+            files = named if named[0].is_file() else [base.with_suffix(".py"), base / "__init__.py"]
+            found.update(file for file in files if file.is_file())
+    return frozenset(found)
+
+
+@lru_cache
+def source_hash(path: Path) -> str:
+    """Hash of numba's version and of every source that a kernel of this file may depend on."""
+    closure: set[Path] = set()
+    rest = {path, Path(__file__)}
+    while rest:
+        file = rest.pop()
+        closure.add(file)
+        rest |= imports_of(file) - closure
     digest = hashlib.sha256(numba.__version__.encode())
-    digest.update(Path(__file__).read_bytes())
-    for layer in _KERNEL_LAYERS:
-        for path in sorted((_PACKAGE / layer).rglob("*.py")):
-            digest.update(path.read_bytes())
+    for file in sorted(closure):
+        digest.update(file.read_bytes())
     return digest.hexdigest()[:16]
 
 
-# numba.config makes its names at run time
-numba.config.CACHE_DIR = str(cache_root() / f"kernels-{source_hash()}")  # type: ignore[attr-defined]
-
-if numba.config.DISABLE_JIT:
+if numba.config.DISABLE_JIT:  # type: ignore[attr-defined]
     np.seterr(over="ignore")  # the dice wrap around 2^64 on purpose; compiled code never warns
 
 
 @overload(int)
-def _int_of_enum(member):  # type: ignore[no-untyped-def]  # numba compares the bare signatures
+def _int_of_enum(member):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202  # numba compares bare signatures
     """Teach numba `int(Action.MOVE)`, which plain Python knows."""
     if isinstance(member, types.IntEnumMember):
         return lambda member: member.value
@@ -66,4 +83,6 @@ def _int_of_enum(member):  # type: ignore[no-untyped-def]  # numba compares the 
 
 def kernel(function: Function) -> Function:
     """Compile `function` on its first call (no fast-math: results are equal to the bit)."""
+    sources = source_hash(Path(function.__code__.co_filename))
+    numba.config.CACHE_DIR = str(cache_root() / f"kernels-{sources}")  # type: ignore[attr-defined]  # read by njit
     return cast("Function", numba.njit(cache=True, nogil=True, error_model="numpy")(function))

@@ -5,7 +5,6 @@ from __future__ import annotations
 from abc import abstractmethod
 
 import torch
-import torch.nn.functional as F
 from jaxtyping import Float, Int
 from torch import Tensor, nn
 
@@ -60,25 +59,27 @@ class AgentNetwork(TaskNetwork):
 
     def encode(self, sets: TaskSets) -> tuple[Float[Tensor, "row embed"], Float[Tensor, "piece hidden"]]:
         """Embed every task (h), and every piece with its whole task set (c)."""
-        x = F.relu(self.piece(sets.obs))
-        h = F.relu(self.embed_task(sets.tasks) + self.embed_piece(x)[sets.piece])
-        h = F.relu(self.embed(h))
+        x = torch.relu(self.piece(sets.obs))
+        h = self.embed_task(sets.tasks).add_(self.embed_piece(x).index_select(0, sets.piece)).relu_()
+        h = self.embed(h).relu_()
         z = h.new_zeros(sets.n_pieces, h.shape[1]).index_add(0, sets.piece, h) / sets.sizes  # h_Sigma
         return h, self.context_piece(x) + self.context_set(z)
 
     def q_values(self, sets: TaskSets) -> Float[Tensor, " row"]:
         """Q of every valid task."""
         h, c = self.encode(sets)
-        return self.estimate(c[sets.piece], h)
+        return self.estimate(c.index_select(0, sets.piece), h)
 
     def q_chosen(self, sets: TaskSets, tasks: Int[Tensor, " piece"]) -> Float[Tensor, " piece"]:
         """Q of one task of each piece: the estimating module runs for that task only."""
         h, c = self.encode(sets)
-        return self.estimate(c, h[sets.rows_of(tasks)])
+        return self.estimate(c, h.index_select(0, sets.rows_of(tasks)))
 
-    def estimate(self, c: Float[Tensor, "any hidden"], h: Float[Tensor, "any embed"]) -> Float[Tensor, " any"]:
+    def estimate(
+        self, c: Float[Tensor, "any hidden"], h: Float[Tensor, "any embed"]
+    ) -> Float[Tensor, " any"]:
         """Estimate Q from a piece's context and a task's embedding (the estimating module)."""
-        return self.value(F.relu(c + self.context_task(h))).squeeze(1)  # type: ignore[no-any-return]
+        return self.value(self.context_task(h).add_(c).relu_()).squeeze(1)
 
 
 class LiteralAgentNetwork(TaskNetwork):
@@ -100,11 +101,11 @@ class LiteralAgentNetwork(TaskNetwork):
         valid = sets.spread(torch.ones_like(sets.tasks[:, 0]), 0.0).unsqueeze(2)
         tasks = sets.tasks.new_zeros(sets.n_pieces, sets.n_tasks, sets.tasks.shape[1])
         tasks[sets.piece, sets.task] = sets.tasks
-        x = F.relu(self.piece(sets.obs)).unsqueeze(1).expand(-1, sets.n_tasks, -1)
-        h = F.relu(self.embed_first(torch.cat([tasks, x], dim=2)))
-        h = F.relu(self.embed(h))
+        x = torch.relu(self.piece(sets.obs)).unsqueeze(1).expand(-1, sets.n_tasks, -1)
+        h = torch.relu(self.embed_first(torch.cat([tasks, x], dim=2)))
+        h = torch.relu(self.embed(h))
         z = ((h * valid).sum(dim=1) / sets.sizes).unsqueeze(1).expand(-1, sets.n_tasks, -1)
-        return self.value(F.relu(self.context(torch.cat([x, z, h], dim=2)))).squeeze(2)  # type: ignore[no-any-return]
+        return self.value(torch.relu(self.context(torch.cat([x, z, h], dim=2)))).squeeze(2)
 
     def q_values(self, sets: TaskSets) -> Float[Tensor, " row"]:
         """Q of every valid task."""

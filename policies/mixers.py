@@ -5,7 +5,6 @@ from __future__ import annotations
 from abc import abstractmethod
 
 import torch
-import torch.nn.functional as F
 from jaxtyping import Float
 from torch import Tensor, nn
 
@@ -60,8 +59,8 @@ class MonotonicMixer(Mixer):
         """Q_Σ of each game."""
         w1 = self.hyper_w1(state).abs().view(-1, self.n_pieces, self.embed)  # >= 0
         w2 = self.hyper_w2(state).abs()  # >= 0
-        hidden = F.elu(torch.einsum("bn,bne->be", agent_q, w1) + self.hyper_b1(state))
-        return (hidden * w2).sum(dim=1, keepdim=True) + self.hyper_b2(state)  # type: ignore[no-any-return]
+        hidden = nn.functional.elu(torch.einsum("bn,bne->be", agent_q, w1) + self.hyper_b1(state))
+        return (hidden * w2).sum(dim=1, keepdim=True) + self.hyper_b2(state)
 
 
 class SumMixer(Mixer):

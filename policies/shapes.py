@@ -3,13 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from gymnasium import spaces
 
 from hexwar_sb3.errors import ConfigError
 
-ACTING_KEYS = ("obs", "tasks", "action_mask", "alive")  # what a policy may see; "state" is for the mixer alone
+ACTING_KEYS = (
+    "obs",
+    "tasks",
+    "action_mask",
+    "alive",
+)  # what a policy may see; "state" is for the mixer alone
 
 
 @dataclass(frozen=True)
@@ -23,20 +29,24 @@ class TaskShapes:
     state_dim: int  # Ds; without a `state` key the mixer sees all pieces' obs instead
 
     @classmethod
-    def of(cls, observation_space: spaces.Space, action_space: spaces.Space) -> TaskShapes:
+    def of(cls, observation_space: spaces.Space[Any], action_space: spaces.Space[Any]) -> TaskShapes:
         """Read the sizes.
 
         Raises:
             ConfigError: the spaces are not those of a task env.
         """
-        if not isinstance(observation_space, spaces.Dict) or not isinstance(action_space, spaces.MultiDiscrete):
+        if not isinstance(observation_space, spaces.Dict) or not isinstance(
+            action_space, spaces.MultiDiscrete
+        ):
             raise ConfigError(
                 f"a task env has Dict observations and MultiDiscrete actions, got {observation_space} and {action_space};"
                 " JointActionEnv makes them of a PettingZoo parallel env"
             )
         missing = [key for key in ACTING_KEYS if key not in observation_space.spaces]
         if missing:
-            raise ConfigError(f"the observation space lacks {missing}; it has {list(observation_space.spaces)}")
+            raise ConfigError(
+                f"the observation space lacks {missing}; it has {list(observation_space.spaces)}"
+            )
         n_pieces, n_tasks, task_dim = observation_space["tasks"].shape or (0, 0, 0)
         if action_space.nvec.tolist() != [n_tasks] * n_pieces:
             raise ConfigError(f"actions must be MultiDiscrete({[n_tasks] * n_pieces}), got {action_space}")

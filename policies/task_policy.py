@@ -41,8 +41,8 @@ class TaskPolicy(BasePolicy):
 
     def __init__(
         self,
-        observation_space: spaces.Space,
-        action_space: spaces.Space,
+        observation_space: spaces.Space[Any],
+        action_space: spaces.Space[Any],
         lr_schedule: Schedule,
         *,
         mixer: str = "qmix",
@@ -55,7 +55,10 @@ class TaskPolicy(BasePolicy):
         optimizer_kwargs: dict[str, Any] | None = None,
     ) -> None:
         super().__init__(
-            observation_space, action_space, optimizer_class=optimizer_class, optimizer_kwargs=optimizer_kwargs
+            observation_space,
+            action_space,
+            optimizer_class=optimizer_class,
+            optimizer_kwargs=optimizer_kwargs or ({"fused": True} if optimizer_class is torch.optim.Adam else {}),
         )
         self.shapes = TaskShapes.of(observation_space, action_space)
         self.sizes = {"hidden": hidden, "embed": embed}
@@ -65,9 +68,11 @@ class TaskPolicy(BasePolicy):
         self.mixer, self.mixer_target = self._make_mixer(), self._make_mixer()
         self.agent_target.load_state_dict(self.agent.state_dict())
         self.mixer_target.load_state_dict(self.mixer.state_dict())
-        for parameter in self.target_parameters():
+        self.trained = [*self.agent.parameters(), *self.mixer.parameters()]
+        self.targets = [*self.agent_target.parameters(), *self.mixer_target.parameters()]  # in the same order
+        for parameter in self.targets:
             parameter.requires_grad_(False)
-        self.optimizer = optimizer_class(self.trained_parameters(), lr=lr_schedule(1), **self.optimizer_kwargs)  # type: ignore[call-arg]
+        self.optimizer = optimizer_class(self.trained, lr=lr_schedule(1), **self.optimizer_kwargs)  # type: ignore[call-arg]
 
     def _make_agent(self) -> TaskNetwork:
         if self.network not in NETWORKS:
@@ -78,14 +83,6 @@ class TaskPolicy(BasePolicy):
         if self.mixer_name not in MIXERS:
             raise UnknownNameError("mixer", self.mixer_name, MIXERS)
         return MIXERS[self.mixer_name](self.shapes.n_pieces, self.state_dim, **self.mixer_kwargs)
-
-    def trained_parameters(self) -> list[torch.nn.Parameter]:
-        """Parameters of the online networks, which gradients change."""
-        return [*self.agent.parameters(), *self.mixer.parameters()]
-
-    def target_parameters(self) -> list[torch.nn.Parameter]:
-        """Parameters of the target networks, in the same order."""
-        return [*self.agent_target.parameters(), *self.mixer_target.parameters()]
 
     def greedy(self, observation: Observation) -> np.ndarray:
         """Best valid task of every piece in a batch of games [B, N]."""
@@ -103,7 +100,9 @@ class TaskPolicy(BasePolicy):
     ) -> tuple[np.ndarray, tuple[np.ndarray, ...] | None]:
         """Greedy tasks for one observation or a batch; the key `state` is ignored."""
         if not isinstance(observation, dict):
-            raise ConfigError("predict() takes the task env's dict of arrays (Gymnasium's reset() returns obs, info)")
+            raise ConfigError(
+                "predict() takes the task env's dict of arrays (Gymnasium's reset() returns obs, info)"
+            )
         if observation["obs"].ndim == 3:
             return self.greedy(observation), state
         return self.greedy({key: np.asarray(value)[None] for key, value in observation.items()})[0], state
@@ -114,7 +113,7 @@ class TaskPolicy(BasePolicy):
 
     def _predict(self, observation: PyTorchObs, deterministic: bool = True) -> Tensor:
         q = self.agent(*(observation[key] for key in ("obs", "tasks", "action_mask")))  # type: ignore[index]
-        return q.argmax(dim=-1)  # type: ignore[no-any-return]
+        return q.argmax(dim=-1)
 
     def freeze(self, **about: str) -> FrozenPolicy:
         """Copy the agent network into a policy without torch, for play, sharing and files.
@@ -124,7 +123,9 @@ class TaskPolicy(BasePolicy):
         """
         if not isinstance(self.agent, AgentNetwork):
             raise ConfigError("only the additive network can be frozen; train with network='additive'")
-        weights = {name: tensor.detach().cpu().numpy().copy() for name, tensor in self.agent.state_dict().items()}
+        weights = {
+            name: tensor.detach().cpu().numpy().copy() for name, tensor in self.agent.state_dict().items()
+        }
         return FrozenPolicy(weights, n_pieces=self.shapes.n_pieces, n_tasks=self.shapes.n_tasks, about=about)
 
     def _get_constructor_parameters(self) -> dict[str, Any]:

@@ -1,0 +1,1 @@
+"""Learning algorithms for Stable-Baselines3: QMIX and its kin."""

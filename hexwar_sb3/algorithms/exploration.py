@@ -69,7 +69,9 @@ class Explorer:
             epsilon: probability of a new random task.
             rng: three draws are taken for each piece.
         """
-        valid = np.take_along_axis(mask, np.maximum(current, 0)[..., None], axis=-1)[..., 0] & (current != NO_TASK)
+        valid = np.take_along_axis(mask, np.maximum(current, 0)[..., None], axis=-1)[..., 0] & (
+            current != NO_TASK
+        )
         kept = self.exploring & valid & (rng.random(greedy.shape) < self.stickiness)
         fresh = ~kept & (rng.random(greedy.shape) < epsilon)
         self.exploring = kept | fresh

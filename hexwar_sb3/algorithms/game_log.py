@@ -24,7 +24,7 @@ class GameLog:
         self.predicted = np.full(n_envs, np.nan)  # unknown for a game that was resumed half-way
         self.starting = np.ones(n_envs, dtype=bool)
 
-    def predict(self, q_total: NDArray[np.float32]) -> None:
+    def predict(self, q_total: NDArray[np.floating[Any]]) -> None:
         """Note the predicted value of the games that are about to start [B], in points."""
         self.predicted[self.starting] = q_total[self.starting]
         self.starting[:] = False

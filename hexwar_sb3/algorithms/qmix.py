@@ -2,40 +2,31 @@
 
 from __future__ import annotations
 
-import io
-import pathlib
-from collections.abc import Iterable
-from typing import Any, ClassVar, TypeVar
+from dataclasses import asdict
+from typing import Any, ClassVar
 
 import numpy as np
 import torch
-import torch.nn.functional as F
-from gymnasium import spaces
 from numpy.typing import NDArray
 from stable_baselines3.common.buffers import ReplayBuffer
 from stable_baselines3.common.callbacks import BaseCallback
 from stable_baselines3.common.noise import ActionNoise
-from stable_baselines3.common.off_policy_algorithm import OffPolicyAlgorithm
 from stable_baselines3.common.policies import BasePolicy
 from stable_baselines3.common.type_aliases import GymEnv, MaybeCallback, Schedule
-from stable_baselines3.common.utils import polyak_update
-from torch import Tensor
 
 from hexwar_sb3.algorithms.exploration import NO_TASK, Explorer, epsilon_at, random_tasks
 from hexwar_sb3.algorithms.game_log import GameLog
-from hexwar_sb3.algorithms.model_file import at_once, plain_objects
-from hexwar_sb3.algorithms.replay import Batch, Situation, StepReplay
-from hexwar_sb3.algorithms.td_targets import lambda_returns, qmix_target
-from hexwar_sb3.errors import ConfigError, TrainingError
+from hexwar_sb3.algorithms.model_file import PlainZipAlgorithm
+from hexwar_sb3.algorithms.replay import Batch, StepReplay, situation_of
+from hexwar_sb3.algorithms.td_update import TDLearner
+from hexwar_sb3.errors import ConfigError
 from hexwar_sb3.policies.shapes import TaskShapes
 from hexwar_sb3.policies.task_policy import TaskPolicy
-from hexwar_sb3.policies.task_sets import pack_observation
 
-LOSSES = {"huber": F.smooth_l1_loss, "squared": F.mse_loss}
-SelfQMIX = TypeVar("SelfQMIX", bound="QMIX")
+STOP = 0  # row of every task set: stop what is under way
 
 
-class QMIX(OffPolicyAlgorithm):
+class QMIX(PlainZipAlgorithm):
     """Q-learning for a camp of pieces with task sets: agents' values are mixed into one that is trained.
 
     Takes any env with the task env's spaces: a Dict of obs, tasks, action_mask and alive, and state for the
@@ -76,8 +67,18 @@ class QMIX(OffPolicyAlgorithm):
         _init_setup_model: build the networks now.
     """
 
-    policy_aliases: ClassVar[dict[str, type[BasePolicy]]] = {"TaskPolicy": TaskPolicy, "MultiInputPolicy": TaskPolicy}
-    policy: TaskPolicy
+    policy_aliases: ClassVar[dict[str, type[BasePolicy]]] = {
+        "TaskPolicy": TaskPolicy,
+        "MultiInputPolicy": TaskPolicy,
+    }
+    made_again: ClassVar[tuple[str, ...]] = (
+        *PlainZipAlgorithm.made_again,
+        "rng",
+        "explorer",
+        "current",
+        "game_log",
+        "learner",
+    )
     replay_buffer: StepReplay  # type: ignore[assignment]  # ours has SB3's add(), and its own sample()
 
     def __init__(
@@ -134,33 +135,189 @@ class QMIX(OffPolicyAlgorithm):
             support_multi_env=True,
             sde_support=False,
         )
-        if loss not in LOSSES or train_freq[1] not in ("episode", "step") or reward_scale <= 0 or n_steps < 1:
-            raise ConfigError(f"loss {loss!r}, train_freq {train_freq}, reward_scale {reward_scale}, n_steps {n_steps}")
+        if train_freq[0] < 1 or train_freq[1] not in ("episode", "step"):
+            raise ConfigError(f"train_freq must be (n, 'episode') or (n, 'step') with n >= 1, got {train_freq}")
         self.update_every = train_freq  # SB3 counts episodes with a single env only
-        self.target_update_interval, self.max_grad_norm, self.chunk_size = target_update_interval, max_grad_norm, chunk_size
-        self.n_steps, self.td_lambda, self.double_q, self.loss_name = n_steps, td_lambda, double_q, loss
+        self.target_update_interval = target_update_interval
+        self.n_steps, self.td_lambda, self.double_q, self.loss = n_steps, td_lambda, double_q, loss
         self.reward_scale, self.stickiness = reward_scale, stickiness
-        self.exploration_initial_eps, self.exploration_final_eps = exploration_initial_eps, exploration_final_eps
+        self.max_grad_norm, self.chunk_size = max_grad_norm, chunk_size
+        self.exploration_initial_eps = exploration_initial_eps
+        self.exploration_final_eps = exploration_final_eps
         self.exploration_episodes, self.exploration_every = exploration_episodes, exploration_every
         self._periods_trained = 0
         if _init_setup_model:
             self._setup_model()
 
     def _setup_model(self) -> None:
-        """Build networks and buffers; SB3's own would put a Dict replay buffer there, which stores all twice."""
+        """Build networks and replay; SB3's own would store every observation twice."""
         self._setup_lr_schedule()
         self.set_random_seed(self.seed)
         self.rng = np.random.default_rng(self.seed)
         shapes = TaskShapes.of(self.observation_space, self.action_space)
         self.task_sizes = asdict(shapes)
         self.policy_kwargs.setdefault("state_dim", shapes.state_dim)
-        self.policy = self.policy_class(
+        policy = self.policy_class(
             self.observation_space, self.action_space, self.lr_schedule, **self.policy_kwargs
-        ).to(self.device)  # type: ignore[assignment]
-        self.replay_buffer = StepReplay(
-            self.buffer_size, self.observation_space, self.action_space, self.device, self.n_envs, self.gamma  # type: ignore[arg-type]
         )
-        self.explorer = Explorer(self.n_envs, shapes.n_pieces, self.stickiness)
-        self.current = np.full((self.n_envs, shapes.n_pieces), NO_TASK)
-        self.game_log = GameLog(self.n_envs, self.gamma)
+        self.policy = policy.to(self.device)  # type: ignore[assignment]
+        self.replay_buffer = StepReplay(
+            self.buffer_size, self.observation_space, self.action_space, self.device, self.n_envs, self.gamma
+        )
+        self.learner = self._make_learner()
+        self._begin_games()
         self._convert_train_freq()
+
+    def _make_learner(self) -> TDLearner:
+        return TDLearner(
+            policy=self.policy,
+            loss=self.loss,
+            double_q=self.double_q,
+            reward_scale=self.reward_scale,
+            td_lambda=self.td_lambda,
+            window=self.n_steps,
+            max_grad_norm=self.max_grad_norm,
+            tau=self.tau,
+            target_interval=self.target_update_interval,
+        )
+
+    def _begin_games(self) -> None:
+        """Forget the running games: the env was or will be reset."""
+        n_pieces = self.policy.shapes.n_pieces
+        self.replay_buffer.cut_short()
+        self.explorer = Explorer(self.n_envs, n_pieces, self.stickiness)
+        self.current = np.full((self.n_envs, n_pieces), NO_TASK)
+        self.game_log = GameLog(self.n_envs, self.gamma)
+
+    def _setup_learn(
+        self,
+        total_timesteps: int,
+        callback: MaybeCallback = None,
+        reset_num_timesteps: bool = True,
+        tb_log_name: str = "QMIX",
+        progress_bar: bool = False,
+    ) -> tuple[int, BaseCallback]:
+        state_dim = TaskShapes.of(self.observation_space, self.action_space).state_dim
+        if state_dim != self.policy.state_dim:
+            raise ConfigError(
+                f"the mixer was trained on a state of {self.policy.state_dim} numbers, the env gives {state_dim}:"
+                " make it with the same privileged_state"
+            )
+        if reset_num_timesteps:
+            self._periods_trained = 0
+        if reset_num_timesteps or self._last_obs is None:
+            self._begin_games()
+        return super()._setup_learn(total_timesteps, callback, reset_num_timesteps, tb_log_name, progress_bar)
+
+    @property
+    def exploration_rate(self) -> float:
+        """Epsilon now: a function of the number of finished games."""
+        return epsilon_at(
+            self._episode_num,
+            self.exploration_initial_eps,
+            self.exploration_final_eps,
+            self.exploration_episodes,
+            self.exploration_every,
+        )
+
+    def _sample_action(
+        self, learning_starts: int, action_noise: ActionNoise | None = None, n_envs: int = 1
+    ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+        """Explore among the valid tasks, each piece of each game for itself."""
+        observation: dict[str, Any] = self._last_obs  # type: ignore[assignment]
+        if self.game_log.starting.any():
+            value = self.learner.next_value(situation_of(observation, self.device)).mean(dim=1)
+            self.game_log.predict(value.cpu().numpy() * self.reward_scale)
+        epsilon = 1.0 if self.num_timesteps < learning_starts else self.exploration_rate
+        mask = observation["action_mask"] != 0
+        tasks = self.explorer.choose(self.policy.greedy(observation), self.current, mask, epsilon, self.rng)
+        return tasks, tasks
+
+    def predict(
+        self,
+        observation: np.ndarray | dict[str, np.ndarray],
+        state: tuple[np.ndarray, ...] | None = None,
+        episode_start: np.ndarray | None = None,
+        deterministic: bool = False,
+    ) -> tuple[np.ndarray, tuple[np.ndarray, ...] | None]:
+        """Tasks for one observation or a batch; not deterministic: each piece explores with probability epsilon."""
+        tasks, state = self.policy.predict(observation, state)
+        if not deterministic:
+            mask = np.asarray(observation["action_mask"]) != 0
+            tasks = np.where(
+                self.rng.random(tasks.shape) < self.exploration_rate, random_tasks(mask, self.rng), tasks
+            )
+        return tasks, state
+
+    def _store_transition(
+        self,
+        replay_buffer: ReplayBuffer,
+        buffer_action: np.ndarray,
+        new_obs: np.ndarray | dict[str, np.ndarray],
+        reward: np.ndarray,
+        dones: np.ndarray,
+        infos: list[dict[str, Any]],
+    ) -> None:
+        """Store a step, and see which tasks are still under way."""
+        self._log_step(buffer_action, reward, dones, infos)
+        under_way = np.array([info.get("current_tasks", buffer_action[b]) for b, info in enumerate(infos)])
+        self.current = np.where(dones[:, None], NO_TASK, under_way)
+        self.explorer.end_games(dones)
+        super()._store_transition(replay_buffer, buffer_action, new_obs, reward, dones, infos)
+
+    def _log_step(
+        self, tasks: np.ndarray, reward: np.ndarray, dones: np.ndarray, infos: list[dict[str, Any]]
+    ) -> None:
+        alive = self._last_obs["alive"] > 0  # type: ignore[index]
+        going_on = alive & (self.current != NO_TASK)
+        self.logger.record("rollout/exploration_rate", self.exploration_rate)
+        if alive.any():
+            self.logger.record_mean("rollout/stop_share", float((tasks == STOP)[alive].mean()))
+        if going_on.any():
+            self.logger.record_mean("rollout/task_changes", float((tasks != self.current)[going_on].mean()))
+        for predicted, returned in self.game_log.add(reward, dones, infos):
+            self.logger.record_mean("rollout/predicted_return", float(predicted))
+            self.logger.record_mean("rollout/discounted_return", float(returned))
+
+    def train(self, gradient_steps: int, batch_size: int = 128) -> None:
+        """Make the updates that are due since the last call."""
+        due = self._periods_due() * gradient_steps
+        if due:
+            self._update_learning_rate(self.policy.optimizer)
+        for _ in range(due):
+            loss, q_total = self.update(batch_size)
+            self._log_update(loss, q_total)
+
+    def update(self, batch_size: int) -> tuple[float, float]:
+        """Make one update; gives the loss and the mean joint value, in scaled points."""
+        self.policy.optimizer.zero_grad()
+        for size in chunk_sizes(batch_size, self.chunk_size):
+            batch = self._sample(size)
+            q_total, target = self.learner.q_total(batch), self.learner.target(batch)
+            loss = self.learner.mean_loss(batch, q_total, target)
+            (loss * (size / batch_size)).backward()  # type: ignore[no-untyped-call]
+        self._n_updates += 1
+        self.learner.step(self._n_updates)
+        return loss.item(), q_total.mean().item()
+
+    def _log_update(self, loss: float, q_total: float) -> None:
+        self.logger.record("train/n_updates", self._n_updates, exclude="tensorboard")
+        self.logger.record_mean("train/loss", loss)
+        self.logger.record_mean("train/q_total", q_total * self.reward_scale)
+
+    def _periods_due(self) -> int:
+        """Periods of `train_freq` that ended since the last call."""
+        length, unit = self.update_every
+        periods = (self._episode_num if unit == "episode" else self.num_timesteps // self.n_envs) // length
+        due, self._periods_trained = periods - self._periods_trained, periods
+        return due
+
+    def _sample(self, size: int) -> Batch:
+        if self.td_lambda is None:
+            return self.replay_buffer.sample(size, self.n_steps, self.rng)
+        return self.replay_buffer.sample_windows(max(1, size // self.n_steps), self.n_steps, self.rng)
+
+
+def chunk_sizes(total: int, limit: int) -> list[int]:
+    """Cut a batch into chunks of at most `limit`."""
+    return [min(limit, total - start) for start in range(0, total, limit)]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import torch
@@ -16,7 +16,7 @@ from torch import Tensor
 from hexwar_sb3.algorithms.td_targets import DECISION_TICKS, n_step_return, row_discount
 from hexwar_sb3.errors import ConfigError, TrainingError
 from hexwar_sb3.policies.shapes import TaskShapes
-from hexwar_sb3.policies.task_sets import TaskSets
+from hexwar_sb3.policies.task_sets import TaskSets, pack_observation
 
 HALF_BOUND = 16.0  # features of at most this size lose nothing that matters in float16
 
@@ -43,6 +43,17 @@ class Batch:
     inside: Bool[Tensor, " batch"]  # False for padding after an episode's end
 
 
+def situation_of(observation: Mapping[str, NDArray[Any]], device: torch.device) -> Situation:
+    """Situation of a batch of observations, as the env gives them."""
+    obs = observation["obs"]
+    state = observation.get("state", obs.reshape(len(obs), -1))
+    return Situation(
+        pack_observation(observation, device),
+        torch.as_tensor(state, device=device).float(),
+        torch.as_tensor(observation["alive"], device=device).float(),
+    )
+
+
 class StepReplay:
     """A ring of steps for each game, float16 where harmless.
 
@@ -61,8 +72,8 @@ class StepReplay:
     def __init__(
         self,
         buffer_size: int,
-        observation_space: spaces.Dict,
-        action_space: spaces.MultiDiscrete,
+        observation_space: spaces.Space[Any],
+        action_space: spaces.Space[Any],
         device: torch.device,
         n_envs: int,
         gamma: float = 0.99,
@@ -71,7 +82,10 @@ class StepReplay:
         self.n_envs, self.rows, self.device, self.gamma = n_envs, max(buffer_size // n_envs, 2), device, gamma
         self.n_pieces, self.n_tasks = shapes.n_pieces, shapes.n_tasks
         size = (n_envs, self.rows)
-        self.obs = {key: np.zeros((*size, *(box.shape or ())), _storage(box)) for key, box in observation_space.items()}
+        self.obs = {
+            key: np.zeros((*size, *(box.shape or ())), _storage(box))
+            for key, box in cast("spaces.Dict", observation_space).items()
+        }
         self.tasks = np.zeros((*size, shapes.n_pieces), np.int16)
         self.reward = np.zeros(size, np.float32)
         self.discount = np.zeros(size, np.float32)
@@ -105,7 +119,9 @@ class StepReplay:
         self.tasks[game, row] = [info.get("demo_actions", action[b]) for b, info in enumerate(infos)]
         self._check_tasks(row)
         self.reward[game, row] = reward
-        self.discount[game, row] = [row_discount(self.gamma, info.get("ticks", DECISION_TICKS)) for info in infos]
+        self.discount[game, row] = [
+            row_discount(self.gamma, info.get("ticks", DECISION_TICKS)) for info in infos
+        ]
         self.terminated[game, row] = done & ~cut
         self.done[game, row] = done
         self.is_step[game, row] = True
@@ -124,9 +140,20 @@ class StepReplay:
         game = np.arange(self.n_envs)
         tasks = self.tasks[game, row].astype(np.int64)
         known = (tasks >= 0) & (tasks < self.n_tasks)
-        valid = np.take_along_axis(self.obs["action_mask"][game, row], np.where(known, tasks, 0)[..., None], axis=-1)
+        valid = np.take_along_axis(
+            self.obs["action_mask"][game, row], np.where(known, tasks, 0)[..., None], axis=-1
+        )
         if not (known & (valid[..., 0] != 0)).all():
             raise TrainingError(f"a masked task was played or demonstrated: tasks {tasks.tolist()}")
+
+    def cut_short(self) -> None:
+        """End the running episodes where they are: the env was reset between two steps."""
+        game = np.arange(self.n_envs)
+        last = (self.next_row - 1) % self.rows
+        running = self.is_step[game, last] & ~self.done[game, last]
+        self.done[game, last] |= running
+        self.next_row = np.where(running, (self.next_row + 1) % self.rows, self.next_row)
+        self.is_step[game, self.next_row] = False
 
     def __len__(self) -> int:
         """Steps that can be drawn."""
@@ -138,7 +165,9 @@ class StepReplay:
         rows, inside = self._walk(game, start, n_steps)
         at = (game[:, None], rows)
         reward, discount = n_step_return(
-            self._tensor(self.reward[at]), self._tensor(self.discount[at]), torch.as_tensor(inside, device=self.device)
+            self._tensor(self.reward[at]),
+            self._tensor(self.discount[at]),
+            torch.as_tensor(inside, device=self.device),
         )
         last = rows[np.arange(batch_size), inside.sum(axis=1) - 1]
         return self._batch(game, start, last, reward, discount, np.ones(batch_size, bool))
@@ -192,7 +221,9 @@ class StepReplay:
         step = game * self.rows + row
         mask = _by_step(self.obs["action_mask"])[step].reshape(-1, self.n_tasks)
         piece, task = np.nonzero(mask)
-        wanted = (step.repeat(self.n_pieces)[piece] * self.n_pieces + piece % self.n_pieces) * self.n_tasks + task
+        wanted = (
+            step.repeat(self.n_pieces)[piece] * self.n_pieces + piece % self.n_pieces
+        ) * self.n_tasks + task
         features = self.obs["tasks"].reshape(-1, self.obs["tasks"].shape[-1])
         obs = self._tensor(_by_step(self.obs["obs"])[step])
         state = self._tensor(_by_step(self.obs["state"])[step]) if "state" in self.obs else obs.flatten(1)
@@ -217,7 +248,10 @@ class StepReplay:
 
     def _arrays(self) -> dict[str, NDArray[Any]]:
         names = ("tasks", "reward", "discount", "terminated", "done", "is_step")
-        return {**{f"obs_{key}": array for key, array in self.obs.items()}, **{name: getattr(self, name) for name in names}}
+        return {
+            **{f"obs_{key}": array for key, array in self.obs.items()},
+            **{name: getattr(self, name) for name in names},
+        }
 
 
 def _by_step(values: NDArray[Any]) -> NDArray[Any]:
@@ -230,4 +264,4 @@ def _storage(box: spaces.Space[Any]) -> np.dtype[Any]:
     if not isinstance(box, spaces.Box):
         raise ConfigError(f"every part of a task env's observation is a Box, got {box}")
     small = bool(np.all(np.abs(box.low) <= HALF_BOUND) and np.all(np.abs(box.high) <= HALF_BOUND))
-    return np.dtype(np.float16) if small and box.dtype == np.float32 else np.dtype(box.dtype or np.float32)
+    return np.dtype(np.float16) if small and box.dtype == np.float32 else box.dtype

@@ -1,8 +1,16 @@
-"""What a scripted player does at an event: it thinks when it is time to, then fires."""
+"""What a scripted player does at an event: it thinks when it is time to, then gives fire that takes two."""
 
 from __future__ import annotations
 
+from hexwar_sb3.bots.chance import act_at_random
+from hexwar_sb3.bots.duties import order_duties
+from hexwar_sb3.bots.fire import guide_missiles, lob_rounds
+from hexwar_sb3.bots.ladder import climb
+from hexwar_sb3.bots.points import choose_people, first_points, move_idle
+from hexwar_sb3.bots.registry import Bot
+from hexwar_sb3.bots.weigh import renew_trust
 from hexwar_sb3.kernels import Row, Rows, kernel
+from hexwar_sb3.tasks.known import end_piece, first_piece
 
 
 @kernel
@@ -11,9 +19,80 @@ def bot_act(
     plans: Rows, brains: Rows, rules: Row, cells: Rows, los: Rows, eta: Rows, atlas: Row,
 ) -> None:  # fmt: skip
     """Let a bot look at its game at an event tick: it may choose plans and give direct orders."""
+    brain = brains[camp]
+    config = atlas.config
+    thinks = is_time_to_think(camp, game, brain, config)
+    if bot == Bot.ATTACK or bot == Bot.DEFENCE:
+        style = atlas.style[bot]
+        if thinks:
+            think(style, camp, game, pieces, memory, rounds, plans, brain, rules, cells, los, eta, atlas)
+        support(style, camp, game, pieces, memory, rounds, orders, brain, rules, cells, config)
+    elif thinks and bot == Bot.RANDOM:
+        act_at_random(camp, game, pieces, orders, plans, brain, rules, cells, config)
+    elif thinks:
+        climb(bot, camp, game, pieces, memory, plans, rules, cells, eta, atlas)
 
 
 @kernel
 def next_thought(brain: Row, tick: int) -> int:
     """First tick after `tick` at which the bot wants to act though nothing happens."""
-    return (tick // 75 + 1) * 75
+    return max(int(brain.wake_at), tick + 1)
+
+
+@kernel
+def is_time_to_think(camp: int, game: Row, brain: Row, config: Row) -> bool:
+    """Every `think_ticks`, and soon after an own loss or a new contact; sets when the bot wakes next."""
+    tick = int(game.tick)
+    news = game.loss_tick[camp] != brain.loss_at or game.contact_tick[camp] != brain.contact_at
+    rethink_at = int(brain.thought_at) + int(config.rethink_ticks)
+    brain.wake_at = (tick // config.think_ticks + 1) * config.think_ticks
+    regular = tick % config.think_ticks == 0 and brain.thought_at != tick
+    if brain.thoughts > 0 and not regular and not (news and tick >= rethink_at):
+        if news:
+            brain.wake_at = min(int(brain.wake_at), rethink_at)
+        return False
+    brain.thoughts += 1
+    brain.thought_at = tick
+    brain.loss_at = game.loss_tick[camp]
+    brain.contact_at = game.contact_tick[camp]
+    return True
+
+
+@kernel
+def support(
+    style: Row, camp: int, game: Row, pieces: Rows, memory: Rows, rounds: Rows, orders: Rows, brain: Row,
+    rules: Row, cells: Rows, config: Row,
+) -> None:  # fmt: skip
+    """Look for guided shots while in contact, and for targets of the mortars."""
+    tick = int(game.tick)
+    brain.allotted[:] = 0
+    if sees_any(camp, game, pieces):
+        if tick % config.fire_ticks == 0:
+            guide_missiles(style, camp, game, pieces, memory, orders, brain, rules, cells, config)
+        brain.wake_at = min(int(brain.wake_at), (tick // config.fire_ticks + 1) * config.fire_ticks)
+    if tick % config.lob_ticks == 0:
+        lob_rounds(style, camp, game, pieces, memory, rounds, orders, brain, rules, cells, config)
+
+
+@kernel
+def think(
+    style: Row, camp: int, game: Row, pieces: Rows, memory: Rows, rounds: Rows, plans: Rows, brain: Row,
+    rules: Row, cells: Rows, los: Rows, eta: Rows, atlas: Row,
+) -> None:  # fmt: skip
+    """One thought of a full player: what is known, who takes and keeps which point, what everybody does."""
+    config = atlas.config
+    renew_trust(camp, game, pieces, memory, brain, config)
+    if brain.thoughts == 1:
+        first_points(camp, game, pieces, brain, atlas)
+    choose_people(style, camp, game, pieces, brain, rules, cells, eta, config)
+    move_idle(camp, game, pieces, memory, brain, cells, config, atlas)
+    order_duties(style, camp, game, pieces, memory, rounds, plans, brain, rules, cells, los, eta, atlas)
+
+
+@kernel
+def sees_any(camp: int, game: Row, pieces: Rows) -> bool:
+    """An own piece sees an enemy."""
+    for i in range(first_piece(camp, game), end_piece(camp, game)):
+        if pieces[i].sees != 0:
+            return True
+    return False

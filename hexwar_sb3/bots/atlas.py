@@ -10,7 +10,7 @@ from functools import lru_cache
 import numpy as np
 import numpy.typing as npt
 
-from hexwar_sb3.bots.config import compiled_config
+from hexwar_sb3.bots.config import ATTACK, CONFIG, DEFENCE, compiled
 from hexwar_sb3.bots.records import AROUND, ATLAS, BAND_CELLS, NESTS, POSTS, REACH
 from hexwar_sb3.engine.pieces import target_class
 from hexwar_sb3.engine.records import NO_CELL
@@ -34,7 +34,8 @@ def make_atlas(world: World) -> Rows:
     """The atlas of a world [1], read-only."""
     atlas = np.zeros(1, ATLAS).view(np.recarray)
     row = atlas[0]
-    row.config = compiled_config()[0]
+    row.config = compiled(CONFIG)
+    row.style[0], row.style[1] = compiled(ATTACK), compiled(DEFENCE)
     row.width, row.height = world.scenario.hexmap.width, world.scenario.hexmap.height
     values = [point.value for point in world.scenario.points]
     row.rank[: len(values)] = np.argsort(-np.array(values, np.int64), kind="stable")

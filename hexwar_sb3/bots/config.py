@@ -7,25 +7,23 @@ with `BOTS_VERSION`; `bots_hash()` goes into every result.
 from __future__ import annotations
 
 import hashlib
-from dataclasses import astuple, dataclass, field, fields
+from dataclasses import astuple, dataclass, fields
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import DTypeLike
-
-from hexwar_sb3.kernels import Rows
 
 
 @dataclass(frozen=True, kw_only=True)
 class Style:
     """How one of the two full players (MA1, MA2) weighs what it sees."""
 
+    gain_weight: float  # weight of the best shot that a post offers
     threat_weight: float  # points of expected harm at a post against points of expected gain
     post_weight: float  # a post's lasting worth (view of its point, cover) in points
     eta_ticks: float  # ticks of travel that cost one point of a post's worth
     move_gain: float  # points by which a new post must beat the present one
-    near_band: int  # nearest and farthest band of posts that vehicles look at
-    far_band: int
+    band_worth: tuple[float, float, float, float]  # points added to posts of each band of distances
     enter_ratio: float  # own power over known enemy power from which a piece enters a point
     enter_after: int  # tick from which it enters anyway
     fire_value: float  # expected points from which a piece fires
@@ -35,16 +33,21 @@ class Style:
     mortar_value: float  # expected points from which a mortar round is fired
     hunt: int  # 1: posts around known enemies are looked at too
     covered: int  # 1: covered routes
-    hide_after: int  # ticks without a known enemy in sight after which a piece hides
+    always_hide: int  # 1: hides between shots too, 0: only with nobody in sight
+    drop_cells: int  # a soldier is set down before a point with known enemies within so many cells
+    walk_ticks: int  # longest walk of a soldier to a point that it is to take
+    take_delay: tuple[
+        float, float, float, float
+    ]  # [piece type] ticks added to its way when a taker is chosen
 
 
 ATTACK = Style(
+    gain_weight=1.0,
     threat_weight=0.5,
     post_weight=1.0,
     eta_ticks=60.0,
     move_gain=2.0,
-    near_band=0,
-    far_band=2,
+    band_worth=(0.0, 0.0, 0.0, 0.0),
     enter_ratio=0.7,
     enter_after=700,
     fire_value=0.5,
@@ -54,16 +57,19 @@ ATTACK = Style(
     mortar_value=1.0,
     hunt=1,
     covered=0,
-    hide_after=75,
+    always_hide=0,
+    drop_cells=6,
+    walk_ticks=450,
+    take_delay=(0.0, 0.0, 0.0, 0.0),
 )
 
 DEFENCE = Style(
+    gain_weight=1.0,
     threat_weight=1.0,
     post_weight=1.0,
     eta_ticks=60.0,
     move_gain=3.0,
-    near_band=1,
-    far_band=3,
+    band_worth=(-2.0, 0.0, 1.0, 1.0),
     enter_ratio=1.3,
     enter_after=900,
     fire_value=0.5,
@@ -73,7 +79,10 @@ DEFENCE = Style(
     mortar_value=1.0,
     hunt=0,
     covered=1,
-    hide_after=0,
+    always_hide=1,
+    drop_cells=8,
+    walk_ticks=450,
+    take_delay=(300.0, 150.0, 0.0, 0.0),
 )
 
 
@@ -86,8 +95,20 @@ class BotConfig:
     fire_ticks: int = 5  # a bot in contact looks for shots this often
     trust_ticks: float = 300.0  # age at which a sighting is worth nothing
     guide_share: float = 0.8  # of the guided value: a chariot's own shot that is as good goes first
+    lob_ticks: int = 25  # mortars look for targets this often
+    still_ticks: int = 75  # a target of the mortar has stood so long, and was seen so lately
+    safe_cells: int = 2  # from own pieces to the aim of a mortar
+    safe_point_cells: int = 12  # an own point is safe with no known enemy so near
+    keeper_cells: int = 1
+    around_cells: int = 6  # known enemies so near to a point count against entering it
+    own_cells: int = 12  # own pieces so near to it count for
+    walk_cells: int = 3  # a soldier walks so far; beyond it rides
+    ride_spare_ticks: int = 300
+    hunt_ticks: float = 200.0  # ticks of travel that halve the worth of prey
+    flight_cost: float = 0.05  # points a cell that the aerocraft flies
     endgame_tick: int = 1350
-    styles: tuple[Style, Style] = field(default=(ATTACK, DEFENCE))
+    random_tries: int = 8  # orders that the random player draws for a piece before it lets it be
+    random_hops: int = 10  # its longest path
 
 
 CONFIG = BotConfig()
@@ -99,23 +120,24 @@ def _dtype_of(config: object) -> np.dtype[np.void]:
     for entry in fields(config):  # type: ignore[arg-type]
         value = getattr(config, entry.name)
         if isinstance(value, tuple):
-            names.append((entry.name, _dtype_of(value[0]), (len(value),)))
+            names.append((entry.name, "f4", (len(value),)))
         else:
             names.append((entry.name, "i4" if isinstance(value, int) else "f4"))
     return np.dtype(names, align=True)
 
 
 BOT_CONFIG = _dtype_of(CONFIG)
+STYLE = _dtype_of(ATTACK)
 
 
-def compiled_config(config: BotConfig = CONFIG) -> Rows:
-    """The thresholds as one record, the form that kernels read [1]."""
-    return np.array([astuple(config)], BOT_CONFIG).view(np.recarray)
+def compiled(config: BotConfig | Style) -> np.void:
+    """Thresholds as one record, the form that kernels read."""
+    return np.array([astuple(config)], _dtype_of(config))[0]
 
 
 def bots_hash() -> str:
-    """Hash of everything that decides what a bot does: thresholds and sources."""
-    digest = hashlib.sha256(repr(CONFIG).encode())
+    """Hash of everything that decides what a bot does: the sources of this layer, thresholds included."""
+    digest = hashlib.sha256()
     for path in sorted(Path(__file__).parent.glob("*.py")):
         digest.update(path.read_bytes())
     return digest.hexdigest()[:16]

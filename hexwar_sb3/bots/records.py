@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from hexwar_sb3.bots.config import BOT_CONFIG
+from hexwar_sb3.bots.config import BOT_CONFIG, STYLE
 from hexwar_sb3.engine.records import MAX_PIECES, MAX_POINTS, MAX_SIDE
 
 BANDS = 4  # of distances from a control point
 BAND_CELLS = ((4, 8), (9, 12), (13, 16), (17, 20))  # nearest and farthest cell of each band
-POSTS = 24  # firing cells kept of each band
+POSTS = 12  # firing cells kept of each band
 NESTS = 8  # concealed cells near a point, for soldiers
 AROUND = 91  # cells within 5 of a cell, itself included
 RING = 48  # cells 6 to 14 away from an enemy, for hunters
@@ -19,11 +19,11 @@ NOBODY = -1  # no slot
 BRAIN = np.dtype(
     [
         ("thoughts", "u4"),  # so far; 0: a fresh brain
+        ("draws", "u4"),  # random numbers drawn so far
         ("thought_at", "i2"),  # tick of the last thought
-        ("next_at", "i2"),  # tick of the next one
+        ("wake_at", "i2"),  # next tick at which it wants to act though nothing happens
         ("loss_at", "i2"),  # own loss and new contact that were already thought about
         ("contact_at", "i2"),
-        ("in_contact", "u1"),  # an own piece sees an enemy
         ("point", "i1", (MAX_SIDE,)),  # control point that each piece works for
         ("post", "i2", (MAX_SIDE,)),  # firing cell of each piece; NO_CELL
         ("taker", "i1", (MAX_POINTS,)),  # slot that is to take a point; NOBODY
@@ -38,14 +38,23 @@ BRAIN = np.dtype(
 ATLAS = np.dtype(
     [
         ("config", BOT_CONFIG),
+        ("style", STYLE, (2,)),  # [Bot.ATTACK, Bot.DEFENCE]
         ("width", "i2"),
         ("height", "i2"),
         ("rank", "i1", (MAX_POINTS,)),  # control points, most valuable first
         ("home", "i2", (2,)),  # [camp] cell of its first piece at the start
-        ("post", "i2", (2, MAX_POINTS, BANDS, POSTS)),  # [camp, point, band] cells with a view of it, best first
+        (
+            "post",
+            "i2",
+            (2, MAX_POINTS, BANDS, POSTS),
+        ),  # [camp, point, band] cells with a view of it, best first
         ("post_worth", "f4", (2, MAX_POINTS, BANDS, POSTS)),
         ("nest", "i2", (2, MAX_POINTS, NESTS)),  # [camp, point] concealed cells beside it, best first
-        ("danger", "f4", (4, 4, REACH)),  # [shooter, target, distance] expected points, full blood, level ground
+        (
+            "danger",
+            "f4",
+            (4, 4, REACH),
+        ),  # [shooter, target, distance] expected points, full blood, level ground
         ("around", "i1", (AROUND, 2)),  # cube steps to the cells within 5, nearest first, red's frame
         ("ring", "i1", (RING, 2)),  # cube steps to cells 6 to 14 away, red's frame
     ],

@@ -23,7 +23,7 @@ _UNFIT = 0.0
 
 @kernel
 def heuristic_direction(
-    i: int, game: Row, pieces: Rows, memory: Rows, plans: Rows, rules: Row, cells: Rows, los: Rows, eta: Rows
+    i: int, pieces: Rows, memory: Rows, plans: Rows, rules: Row, cells: Rows, los: Rows, eta: Rows
 ) -> int:
     """Answer of the lower level for piece i: 0 stay and perform, else direction + 1.
 
@@ -31,7 +31,7 @@ def heuristic_direction(
     """
     piece = pieces[i]
     plan = plans[i]
-    plan.goal = right_place(i, game, pieces, memory, plans, rules, cells, los, eta)
+    plan.goal = right_place(i, pieces, memory, plans, rules, cells, los, eta)
     if plan.goal == NO_CELL:
         return 0
     covered = plan.covered == 1
@@ -51,7 +51,7 @@ def is_at_target(kind: int) -> bool:
 
 @kernel
 def right_place(
-    i: int, game: Row, pieces: Rows, memory: Rows, plans: Rows, rules: Row, cells: Rows, los: Rows, eta: Rows
+    i: int, pieces: Rows, memory: Rows, plans: Rows, rules: Row, cells: Rows, los: Rows, eta: Rows
 ) -> int:
     """The cell where piece i's task is to be done (table of architecture.md, section 3)."""
     plan = plans[i]
@@ -128,7 +128,15 @@ def _place_for_target(
 
 @kernel
 def _best_on_the_way(
-    i: int, here: float, pieces: Rows, memory: Rows, plans: Rows, rules: Row, cells: Rows, los: Rows, eta: Rows
+    i: int,
+    here: float,
+    pieces: Rows,
+    memory: Rows,
+    plans: Rows,
+    rules: Row,
+    cells: Rows,
+    los: Rows,
+    eta: Rows,
 ) -> int:
     """Walk the way in mind and keep the best place; shadows compare only the first few."""
     piece = pieces[i]

@@ -5,14 +5,10 @@ Enemies are read through the camp's memory only. `trust` is the brain's [P], ren
 
 from __future__ import annotations
 
-from hexwar_sb3.engine.pieces import on_map
-from hexwar_sb3.engine.records import NO_CELL
 from hexwar_sb3.kernels import Row, Rows, kernel
 from hexwar_sb3.maps.geometry import cells_apart
-from hexwar_sb3.rules.enums import HopClass, PieceType
+from hexwar_sb3.rules.enums import PieceType
 from hexwar_sb3.tasks.known import end_piece, first_piece, has_line_from, is_known, reach_of_sight
-
-FAR = 30000  # ticks: cannot be reached
 
 
 @kernel
@@ -24,16 +20,6 @@ def renew_trust(camp: int, game: Row, pieces: Rows, memory: Rows, brain: Row, co
         if is_known(known):
             age = 0.0 if known.seen else float(game.tick - known.tick)
             brain.trust[j] = max(0.0, 1.0 - age / config.trust_ticks)
-
-
-@kernel
-def travel_ticks(piece: Row, target: int, rules: Row, cells: Rows, eta: Rows) -> int:
-    """Ticks of the fastest way of a piece to a cell; FAR where there is none."""
-    if piece.kind == PieceType.AEROCRAFT:
-        return int(rules.base_hop[piece.kind]) * cells_apart(cells, piece.cell, target)
-    hop_class = HopClass.SOLDIER if piece.kind == PieceType.SOLDIER else HopClass.VEHICLE
-    hops = int(eta[hop_class, target, piece.cell])
-    return FAR if hops == 255 else hops * int(rules.base_hop[piece.kind])
 
 
 @kernel
@@ -110,7 +96,15 @@ def own_power(cell: int, within: int, camp: int, game: Row, pieces: Rows, rules:
 
 @kernel
 def known_power(
-    cell: int, within: int, camp: int, game: Row, pieces: Rows, memory: Rows, brain: Row, rules: Row, cells: Rows
+    cell: int,
+    within: int,
+    camp: int,
+    game: Row,
+    pieces: Rows,
+    memory: Rows,
+    brain: Row,
+    rules: Row,
+    cells: Rows,
 ) -> float:
     """Power of known enemies within some cells of a cell, weighted by trust."""
     total = 0.0
@@ -132,20 +126,3 @@ def enemy_near(
         if cells_apart(cells, memory[camp, j].cell, cell) <= within:
             return True
     return False
-
-
-@kernel
-def own_ground_in(cell: int, but: int, camp: int, game: Row, pieces: Rows) -> int:
-    """Own ground pieces that stand in a cell, one of them left out."""
-    count = 0
-    for i in range(first_piece(camp, game), end_piece(camp, game)):
-        piece = pieces[i]
-        if i != but and on_map(piece) and piece.cell == cell and piece.kind != PieceType.AEROCRAFT:
-            count += 1
-    return count
-
-
-@kernel
-def is_cell(cell: int) -> bool:
-    """The cell is on the map."""
-    return cell != NO_CELL

@@ -45,9 +45,14 @@ class RunFolder:
         return self.path / "policy"
 
     @property
+    def untrained(self) -> Path:
+        """The policy before training, for the page at the end."""
+        return self.path / "untrained"
+
+    @property
     def checkpoint(self) -> Path:
         """All that a resumed run needs."""
-        return self.path / "checkpoint"
+        return self.path / "checkpoint.npz"
 
     @property
     def replays(self) -> Path:

@@ -5,16 +5,18 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
+from hexwar_sb3.engine.codes import Code
 from hexwar_sb3.engine.fire import attack_level, shot_mods
+from hexwar_sb3.engine.legality import order_code
 from hexwar_sb3.engine.mortar import observer_class
 from hexwar_sb3.engine.orders import BurstChances, Chances
 from hexwar_sb3.engine.pieces import target_class
-from hexwar_sb3.engine.records import ROUND
-from hexwar_sb3.kernels import Row, Rows
-from hexwar_sb3.maps.geometry import cells_apart
+from hexwar_sb3.kernels import Row, Rows, kernel
 from hexwar_sb3.rules.compiled import LEAST_MODIFIER, LEAST_RESULT, SCATTER_HIT
 from hexwar_sb3.rules.enums import TargetClass, Weapon
 from hexwar_sb3.rules.odds import TWO_DICE
+
+NOT_LEGAL = -1
 
 
 def shot_chances(weapon: int, shooter: Row, target: Row, pieces: Rows, rules: Row, cells: Rows) -> Chances:
@@ -32,9 +34,7 @@ def shot_chances(weapon: int, shooter: Row, target: Row, pieces: Rows, rules: Ro
     return _capped(level, mods, odds[mods - LEAST_MODIFIER], int(target.blood))
 
 
-def _odds(
-    weapon: int, kind: int, armour: int, blood: int, level: int, rules: Row
-) -> npt.NDArray[np.float32]:
+def _odds(weapon: int, kind: int, armour: int, blood: int, level: int, rules: Row) -> npt.NDArray[np.float32]:
     """Chances [modifiers, result] before the cap."""
     if kind == TargetClass.SOLDIER:
         return np.asarray(rules.odds_soldier[level])
@@ -50,13 +50,24 @@ def _capped(level: int, mods: int, odds: npt.NDArray[np.float32], blood: int) ->
     return Chances(level, mods, nothing, suppressed, (*losses[: blood - 1], sum(losses[blood - 1 :])))
 
 
-def burst_chances(i: int, cell: int, pieces: Rows, rules: Row, cells: Rows, los: Rows) -> BurstChances:
-    """Where a round of piece i may come down, if what the camp sees of the cell stays as it is."""
-    shell = np.zeros(1, ROUND).view(np.recarray)[0]
-    shell.camp, shell.cell = pieces[i].camp, cell
-    apart = int(cells_apart(cells, pieces[i].cell, cell))
+@kernel
+def mortar_classes(i: int, order: Row, game: Row, pieces: Rows, rules: Row, cells: Rows, los: Rows) -> Rows:
+    """Correction class of a round of piece i at each cell as it is seen now [NC]; NOT_LEGAL elsewhere.
+
+    order: an indirect-shoot order, whose cell is tried everywhere.
+    """
+    classes = np.full(cells.size, NOT_LEGAL, np.int8)
+    for cell in range(cells.size):
+        order.cell = cell
+        if order_code(i, order, game, pieces, rules, cells) == Code.OK:
+            classes[cell] = observer_class(pieces[i].camp, cell, pieces, rules, cells, los)
+    return classes
+
+
+def burst_chances(correction_class: int, apart: int, rules: Row) -> BurstChances:
+    """Where a round may come down, fired over this distance, by what is seen of the aimed cell."""
     column = (apart - 1) // int(rules.scatter_band_cells)
-    scatter = rules.scatter[observer_class(shell, pieces, rules, cells, los), :, column]
+    scatter = rules.scatter[correction_class, :, column]
     hit = sum(chance for roll, chance in TWO_DICE.items() if scatter[roll] == SCATTER_HIT)
     off_target = sum(chance for roll, chance in TWO_DICE.items() if scatter[roll] == 0)
     return BurstChances(hit, off_target, 1 - hit - off_target)

@@ -53,7 +53,7 @@ def _goes_first(a: int, b: int, shooter: Row, game: Row, pieces: Rows) -> bool:
         return pieces[a].blood < pieces[b].blood
     dice_a = throw(game, game.tick, Dice.CLOSE_TIE, shooter, pieces[a], 0)
     dice_b = throw(game, game.tick, Dice.CLOSE_TIE, shooter, pieces[b], 0)
-    return dice_a < dice_b
+    return bool(dice_a < dice_b)
 
 
 @kernel

@@ -67,7 +67,7 @@ def shot_mods(shooter: Row, target: Row, pieces: Rows, rules: Row, cells: Rows) 
 
 @kernel
 def clamp(x: int, low: int, high: int) -> int:
-    """x within low..high."""
+    """X within low..high."""
     return min(max(x, low), high)
 
 
@@ -97,7 +97,17 @@ def add_result(target: Row, result: int) -> None:
 
 @kernel
 def resolve_shot(
-    event: int, actor: int, s: int, t: int, weapon: int, exit_shot: bool, game: Row, pieces: Rows, log: Rows, rules: Row, cells: Rows
+    event: int,
+    actor: int,
+    s: int,
+    t: int,
+    weapon: int,
+    exit_shot: bool,
+    game: Row,
+    pieces: Rows,
+    log: Rows,
+    rules: Row,
+    cells: Rows,
 ) -> None:
     """Throw the dice of one shot of piece s at piece t and collect the result.
 
@@ -124,7 +134,11 @@ def resolve_shot(
         corr = soldier_correction(roll2 + mods, rules)
     else:
         roll = two_dice(game, tick, roll_kind, shooter, target, 0)
-        raw = int(rules.vehicle_result[roll, rules.column[min(int(shooter.blood), rules.column.shape[0] - 1), level]])
+        raw = int(
+            rules.vehicle_result[
+                roll, rules.column[min(int(shooter.blood), rules.column.shape[0] - 1), level]
+            ]
+        )
         if weapon == Weapon.SMALL:
             raw = int(rules.soldier_result[roll, level])
         roll2 = two_dice(game, tick, corr_kind, shooter, target, corr_draw)

@@ -53,7 +53,7 @@ def order_code(i: int, order: Row, game: Row, pieces: Rows, rules: Row, cells: R
     if kind == Action.HIDE:
         return hide_code(piece)
     if kind == Action.OCCUPY:
-        return occupy_code(piece, game, cells)
+        return occupy_code(piece, game)
     if kind == Action.SHOOT:
         return shoot_code(i, order.target, order.weapon, game, pieces, rules, cells)
     if kind == Action.GUIDE_SHOOT:
@@ -61,7 +61,7 @@ def order_code(i: int, order: Row, game: Row, pieces: Rows, rules: Row, cells: R
     if kind == Action.INDIRECT_SHOOT:
         return indirect_code(piece, order.cell, rules, cells)
     if kind == Action.GET_ON:
-        return get_on_code(piece, order.target, game, pieces)
+        return get_on_code(piece, order.target, pieces)
     if kind == Action.GET_OFF:
         return get_off_code(i, order.target, pieces, rules)
     if kind == Action.DECOMPRESS:
@@ -120,7 +120,7 @@ def point_at(cell: int, game: Row) -> int:
 
 
 @kernel
-def occupy_code(piece: Row, game: Row, cells: Rows) -> int:
+def occupy_code(piece: Row, game: Row) -> int:
     """Place, camp and progress only; enemies are looked for in the step itself."""
     if not is_ground(piece):
         return Code.NOT_GROUND
@@ -217,7 +217,12 @@ def guide_code(i: int, c: int, t: int, game: Row, pieces: Rows, rules: Row, cell
     if target_class(pieces[t].kind) != TargetClass.VEHICLE:
         return Code.WRONG_TYPE
     chariot = pieces[c]
-    if not on_map(chariot) or not is_settled(chariot) or chariot.cool_ends != NEVER or in_fight(game, chariot):
+    if (
+        not on_map(chariot)
+        or not is_settled(chariot)
+        or chariot.cool_ends != NEVER
+        or in_fight(game, chariot)
+    ):
         return Code.PARTNER_BUSY
     if weapon_ammo(chariot, Weapon.HEAVY, rules) == 0:
         return Code.NO_AMMO
@@ -246,7 +251,7 @@ def indirect_code(piece: Row, cell: int, rules: Row, cells: Rows) -> int:
 
 
 @kernel
-def get_on_code(piece: Row, c: int, game: Row, pieces: Rows) -> int:
+def get_on_code(piece: Row, c: int, pieces: Rows) -> int:
     """May the soldier board chariot c?"""
     if piece.kind != PieceType.SOLDIER:
         return Code.WRONG_TYPE

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from hexwar_sb3.engine.codes import Event
+from hexwar_sb3.engine.codes import Code, Event
 from hexwar_sb3.engine.dice import die, two_dice
 from hexwar_sb3.engine.events import note, note_shot
 from hexwar_sb3.engine.fire import add_result, clamp
@@ -14,14 +14,16 @@ from hexwar_sb3.engine.sight import has_line
 from hexwar_sb3.kernels import Row, Rows, kernel
 from hexwar_sb3.maps.geometry import cells_apart, frame_direction
 from hexwar_sb3.rules.compiled import NO_EFFECT, SCATTER_HIT
-from hexwar_sb3.rules.enums import Dice, PieceType, Weapon
+from hexwar_sb3.rules.enums import Action, Dice, PieceType, Weapon
 
 _ONE = np.uint32(1)
 _OBSERVER_SEES, _OBSERVER_LOOKS, _NO_OBSERVER = 2, 1, 0
 
 
 @kernel
-def launch(i: int, cell: int, game: Row, pieces: Rows, rounds: Rows, log: Rows, rules: Row, cells: Rows) -> None:
+def launch(
+    i: int, cell: int, game: Row, pieces: Rows, rounds: Rows, log: Rows, rules: Row, cells: Rows
+) -> None:
     """Fire the mortar at a cell: the round flies from now on."""
     piece = pieces[i]
     for r in range(rounds.size):
@@ -49,27 +51,29 @@ def launch(i: int, cell: int, game: Row, pieces: Rows, rounds: Rows, log: Rows, 
 
 
 @kernel
-def cancel_flying(i: int, rounds: Rows) -> None:
-    """A move order of the owner before landing loses the round."""
+def cancel_rounds(orders: Rows, rounds: Rows) -> None:
+    """A move order of the owner before landing, in the last step of the flight too, loses the round."""
     for r in range(rounds.size):
-        if rounds[r].owner == i and rounds[r].status == ROUND_FLYING:
+        order = orders[rounds[r].owner]
+        moves = order.kind == Action.MOVE and order.code == Code.OK
+        if moves and rounds[r].status == ROUND_FLYING:
             rounds[r].status = ROUND_FREE
 
 
 @kernel
-def observer_class(shell: Row, pieces: Rows, rules: Row, cells: Rows, los: Rows) -> int:
+def observer_class(camp: int, cell: int, pieces: Rows, rules: Row, cells: Rows, los: Rows) -> int:
     """Correction class of a landing: does an own piece see an enemy there, or look there at all?"""
     best = _NO_OBSERVER
     for i in range(pieces.size):
-        if pieces[i].camp != shell.camp or not on_map(pieces[i]):
+        if pieces[i].camp != camp or not on_map(pieces[i]):
             continue
-        if not has_line(pieces[i], PieceType.TANK, shell.cell, los):
+        if not has_line(pieces[i], PieceType.TANK, cell, los):
             continue
         for j in range(pieces.size):
             seen = (np.uint32(pieces[i].sees) >> np.uint32(j)) & _ONE == 1
-            if seen and pieces[j].cell == shell.cell:
+            if seen and pieces[j].cell == cell:
                 return _OBSERVER_SEES
-        if cells_apart(cells, pieces[i].cell, shell.cell) <= rules.observer_cells:
+        if cells_apart(cells, pieces[i].cell, cell) <= rules.observer_cells:
             best = _OBSERVER_LOOKS
     return best
 
@@ -91,9 +95,10 @@ def land_rounds(game: Row, pieces: Rows, rounds: Rows, log: Rows, rules: Row, ce
 @kernel
 def _scatter(shell: Row, game: Row, pieces: Rows, rules: Row, cells: Rows, los: Rows) -> None:
     owner = pieces[shell.owner]
-    column = clamp((shell.launch_cells - 1) // 20, 0, 3)
+    column = clamp((shell.launch_cells - 1) // rules.scatter_band_cells, 0, rules.scatter.shape[2] - 1)
     roll = two_dice(game, game.tick, Dice.SCATTER, owner, owner, 0)
-    away = int(rules.scatter[observer_class(shell, pieces, rules, cells, los), roll, column])
+    seen = observer_class(shell.camp, shell.cell, pieces, rules, cells, los)
+    away = int(rules.scatter[seen, roll, column])
     shell.status = ROUND_BURSTING
     shell.hit = 1 if away == SCATTER_HIT else 0
     shell.impact = shell.cell
@@ -143,7 +148,9 @@ def burst_mods(piece: Row, guns: int, pieces: Rows, rules: Row, cells: Rows) -> 
 
 
 @kernel
-def judge_entering(entered: np.uint32, game: Row, pieces: Rows, rounds: Rows, log: Rows, rules: Row, cells: Rows) -> None:
+def judge_entering(
+    entered: np.uint32, game: Row, pieces: Rows, rounds: Rows, log: Rows, rules: Row, cells: Rows
+) -> None:
     """Judge the pieces that came into a bursting cell in this step."""
     for r in range(rounds.size):
         if rounds[r].status != ROUND_BURSTING:

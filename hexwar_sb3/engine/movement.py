@@ -7,8 +7,15 @@ import numpy as np
 from hexwar_sb3.engine.codes import Event
 from hexwar_sb3.engine.dice import priority
 from hexwar_sb3.engine.events import note
-from hexwar_sb3.engine.mortar import cancel_flying
-from hexwar_sb3.engine.pieces import clear_path, count_in, has_path, hop_need, hop_progress, is_ground, next_cell_of
+from hexwar_sb3.engine.pieces import (
+    clear_path,
+    count_in,
+    has_path,
+    hop_need,
+    hop_progress,
+    is_ground,
+    next_cell_of,
+)
 from hexwar_sb3.engine.records import NEVER, NO_PIECE
 from hexwar_sb3.kernels import Row, Rows, kernel
 from hexwar_sb3.rules.enums import PieceType
@@ -17,8 +24,8 @@ _ONE = np.uint32(1)
 
 
 @kernel
-def begin_move(i: int, order: Row, pieces: Rows, paths: Rows, rounds: Rows) -> None:
-    """Take up a path: cover is lost, a natural stop transition ends, a flying round is lost."""
+def begin_move(i: int, order: Row, pieces: Rows, paths: Rows) -> None:
+    """Take up a path: cover is lost, a natural stop transition ends."""
     piece = pieces[i]
     for k in range(int(order.path_len)):
         paths[i, k] = order.path[k]
@@ -29,7 +36,6 @@ def begin_move(i: int, order: Row, pieces: Rows, paths: Rows, rounds: Rows) -> N
     piece.hidden = 0
     piece.stop_ends = NEVER
     piece.stop_forced = 0
-    cancel_flying(i, rounds)
 
 
 @kernel

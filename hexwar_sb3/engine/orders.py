@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from typing import ClassVar
 
 from hexwar_sb3.errors import OrderError
@@ -77,7 +77,7 @@ class Order:
     @classmethod
     def from_words(cls, piece: str, words: Sequence[str]) -> Order:
         """Build the order from its parameters as text."""
-        names = [name for name in cls.__dataclass_fields__ if name not in {"piece", "chances"}]
+        names = [entry.name for entry in fields(cls) if entry.name not in {"piece", "chances"}]
         if len(words) != len(names):
             found = f"{len(words)} parameters" if words else "none"
             expected = " ".join(names) or "no parameters"

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from hexwar_sb3.engine.records import BOARD_NONE, NEVER, NO_CELL, NO_PIECE
 from hexwar_sb3.kernels import Row, Rows, kernel
-from hexwar_sb3.rules.enums import HopClass, PieceType, TargetClass
 from hexwar_sb3.rules.compiled import NO_POOL
+from hexwar_sb3.rules.enums import HopClass, PieceType, TargetClass
 
 
 @kernel

@@ -6,25 +6,28 @@ camp's own knowledge (`known_pieces`), so a sentence tells nothing that the camp
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from hexwar_sb3.engine.codes import Code
 from hexwar_sb3.engine.order_rows import GAP
-from hexwar_sb3.engine.orders import Move, Order, verb
+from hexwar_sb3.engine.orders import Order, verb
 from hexwar_sb3.engine.pieces import (
     count_in,
     has_path,
     hop_from,
     hop_progress,
     in_fight,
+    in_motion,
     is_settled,
     on_map,
     target_class,
 )
 from hexwar_sb3.engine.records import BOARD_ON, NEVER, NO_PIECE
-from hexwar_sb3.engine.roster import Roster
+from hexwar_sb3.engine.roster import Roster, camp_name
 from hexwar_sb3.kernels import Row, Rows
 from hexwar_sb3.maps.geometry import cells_apart
+from hexwar_sb3.rules.compiled import NO_POOL
 from hexwar_sb3.rules.enums import Action, PieceType, Weapon
 
 SENTENCES: dict[Code, str] = {
@@ -57,7 +60,7 @@ SENTENCES: dict[Code, str] = {
     Code.WRONG_PARTNER: "{partner} does not fit: {piece} can {verb} only with {partners}",
     Code.PARTNER_BUSY: "{partner} is {partner_doing}; it must be settled, free and without an order of its own",
     Code.CARRIER_FULL: "{partner} carries a soldier already; it has room for 1",
-    Code.CELL_FULL: "{here} holds {crowd} ground pieces of {camp}; to set one down it may hold {crowd_limit}",
+    Code.CELL_FULL: "{here} holds {crowd} ground pieces of {camp}; to set one down it may hold at most {crowd_limit}",
     Code.NOT_SUPPRESSED: "{piece} is not suppressed; only a suppressed piece decompresses",
     Code.TOO_LATE_TO_DECOMPRESS: "{piece} is suppressed for {keep_ticks} more s; decompressing needs more than {decompress_above_ticks}",
     Code.CONFLICT: "another piece of {camp} claimed {partner} in the same tick and goes first; one piece a tick can",
@@ -65,12 +68,15 @@ SENTENCES: dict[Code, str] = {
     Code.ORDER_UNKNOWN: "{piece} got an order of an unknown kind; there are {n_actions} kinds",
     Code.POINT_CONTESTED: "{piece} found an enemy in {here} or beside it; a point is occupied only when none is there",
 }
-"""One sentence a code; the words in braces are properties of `Case`."""
+"""One sentence a code; the words in braces are `_FACTS`."""
 
 _SPECIAL: dict[tuple[Code, Action], str] = {
     (Code.MOVING, Action.MOVE): "{piece} is on its way already; it must stop before it moves anew",
     (Code.MOVING, Action.HIDE): "{piece} is on its way; it must have arrived before it hides",
-    (Code.COOLING, Action.INDIRECT_SHOOT): "the mortar of {piece} cools down for {mortar_ticks} more s; it fires only when it is cool",
+    (
+        Code.COOLING,
+        Action.INDIRECT_SHOOT,
+    ): "the mortar of {piece} cools down for {mortar_ticks} more s; it fires only when it is cool",
 }
 
 _DOES = {
@@ -96,14 +102,14 @@ _ACTORS = {
 def explain(case: Case) -> str:
     """Sentence for a refused order."""
     code = Code(int(case.row.code))
-    if code is Code.MOVING and not case.moves:  # the code says only "not settled"
+    if code is Code.MOVING and not in_motion(case.me):  # the code says only "not settled"
         code = Code.BUSY
     return _SPECIAL.get((code, case.order.action), SENTENCES[code]).format_map(case)
 
 
 @dataclass(frozen=True)
 class Case:
-    """The facts of one refused order, each under the name that the sentences use.
+    """One refused order; `case["piece"]` is the fact that the sentences call {piece}.
 
     order, row: the order in words and as a record with its code; i: the piece;
     game, pieces: the state as the camp knows it.
@@ -119,211 +125,76 @@ class Case:
     cells: Rows
 
     def __getitem__(self, name: str) -> object:
-        return getattr(self, name)
-
-    # --- the piece -------------------------------------------------------------------------------
+        return _FACTS[name](self)
 
     @property
     def me(self) -> Row:
+        """The piece that got the order."""
         return self.pieces[self.i]
 
     @property
-    def piece(self) -> str:
-        return self.roster.spoken(self.i)
-
-    @property
-    def camp(self) -> str:
-        return self.piece.split()[0]
-
-    @property
-    def kind(self) -> str:
-        return kind_name(self.me.kind)
-
-    @property
-    def here(self) -> str:
-        return self.roster.cell_name(self.me.cell)
-
-    @property
-    def carrier(self) -> str:
-        return self.roster.spoken(self.me.carrier)
-
-    @property
-    def moves(self) -> bool:
-        return bool(has_path(self.me)) or self.me.stop_ends != NEVER
-
-    @property
-    def doing(self) -> str:
-        return doing(self.me)
-
-    @property
-    def verb(self) -> str:
-        return verb(self.order.action)
-
-    @property
-    def does(self) -> str:
-        return _DOES[self.order.action]
-
-    # --- its clocks, ticks -----------------------------------------------------------------------
-
-    @property
-    def tick(self) -> int:
-        return int(self.game.tick)
-
-    def _left(self, ends: int) -> int:
-        return int(ends) - self.tick
-
-    @property
-    def busy_ticks(self) -> int:
-        me = self.me
-        ends = (me.hide_ends, me.board_ends, me.decompress_ends, me.stop_ends)
-        return self._left(max(end for end in map(int, ends) if end != NEVER))
-
-    @property
-    def keep_ticks(self) -> int:
-        return self._left(self.me.keep_ends)
-
-    @property
-    def cool_ticks(self) -> int:
-        return self._left(self.me.cool_ends)
-
-    @property
-    def mortar_ticks(self) -> int:
-        return self._left(self.me.mortar_ends)
-
-    @property
-    def stop_ticks(self) -> int:
-        return int(self.rules.stop_ticks)
-
-    @property
-    def decompress_above_ticks(self) -> int:
-        return int(self.rules.decompress_above_ticks)
-
-    @property
-    def hop_done(self) -> int:
-        return int(hop_progress(self.me, self.tick))
-
-    @property
-    def hop_need(self) -> int:
-        return int(self.me.hop_need)
-
-    # --- its path --------------------------------------------------------------------------------
-
-    @property
-    def path_cells(self) -> int:
-        return len(self.order.path) if isinstance(self.order, Move) else 0
-
-    @property
-    def path_limit(self) -> int:
-        return int(self.rules.path_limit)
-
-    @property
-    def _bad_hop(self) -> tuple[str, str]:
-        return bad_hop(self)
-
-    @property
-    def hop_from(self) -> str:
-        return self._bad_hop[0]
-
-    @property
-    def hop_to(self) -> str:
-        return self._bad_hop[1]
-
-    # --- fire ------------------------------------------------------------------------------------
-
-    @property
-    def target(self) -> str:
-        return self.roster.spoken(self.row.target)
-
-    @property
-    def weapon(self) -> str:
-        return Weapon(self.row.weapon).name
-
-    @property
-    def weapons(self) -> str:
-        pools = self.rules.pool[self.me.kind]
-        return ", ".join(weapon.name for weapon in Weapon if pools[weapon] >= 0)
-
-    @property
-    def _shooter(self) -> int:
+    def shooter(self) -> int:
+        """The piece whose weapon fires."""
         return int(self.row.partner) if self.order.action == Action.GUIDE_SHOOT else self.i
 
     @property
-    def armed(self) -> str:
-        return self.roster.spoken(self._shooter)
-
-    @property
-    def _aim_cell(self) -> int:
-        by_cell = self.order.action == Action.INDIRECT_SHOOT
-        return int(self.row.cell if by_cell else self.pieces[self.row.target].cell)
-
-    @property
-    def aim(self) -> str:
-        if self.order.action == Action.INDIRECT_SHOOT:
-            return self.roster.cell_name(self._aim_cell)
-        return self.target
-
-    @property
-    def apart(self) -> int:
-        return int(cells_apart(self.cells, self.pieces[self._shooter].cell, self._aim_cell))
-
-    @property
-    def uphill(self) -> int:
-        levels = self.cells.level
-        return int(levels[self._aim_cell]) - int(levels[self.pieces[self._shooter].cell])
-
-    @property
-    def reach(self) -> str:
-        rules = self.rules
-        if self.order.action == Action.INDIRECT_SHOOT:
-            return f"{rules.mortar_min_cells} to {rules.mortar_max_cells}"
-        return reach_of(self.row.weapon, self.pieces[self._shooter], self.pieces[self.row.target], rules)
-
-    # --- partners --------------------------------------------------------------------------------
-
-    @property
-    def _partner(self) -> int:
+    def partner(self) -> int:
+        """The other own piece that the order needs."""
         return int(self.row.partner if self.order.action == Action.GUIDE_SHOOT else self.row.target)
 
     @property
-    def partner(self) -> str:
-        return self.roster.spoken(self._partner)
+    def aim_cell(self) -> int:
+        """The cell that is fired at."""
+        by_cell = self.order.action == Action.INDIRECT_SHOOT
+        return int(self.row.cell if by_cell else self.pieces[self.row.target].cell)
 
-    @property
-    def partner_doing(self) -> str:
-        return partner_doing(self.pieces[self._partner], self.game)
+    def left(self, ends: int) -> int:
+        """Ticks until an end tick."""
+        return int(ends) - int(self.game.tick)
 
-    @property
-    def partners(self) -> str:
-        if self.order.action == Action.GET_OFF:
-            return self._name_or(self.me.passenger, "its passenger; it carries none")
-        if self.order.action == Action.GET_ON:
-            return f"a chariot of {self.camp} in its own cell"
-        if self.me.kind == PieceType.SOLDIER:
-            return self._name_or(self.me.home, "its own chariot; it has none")
-        return f"a chariot of {self.camp}"
+    def spoken(self, i: int) -> str:
+        """Name of a piece in a sentence."""
+        return self.roster.spoken(i)
 
-    def _name_or(self, i: int, nobody: str) -> str:
-        return nobody if i == NO_PIECE else self.roster.spoken(i)
 
-    @property
-    def wrong_type(self) -> str:
-        is_guider = self.me.kind in {PieceType.SOLDIER, PieceType.AEROCRAFT}
-        if self.order.action == Action.GUIDE_SHOOT and is_guider:
-            kind = kind_name(self.pieces[self.row.target].kind)
-            return f"{self.target} is a {kind}; a guided missile needs a tank or chariot as target"
-        return f"{self.piece} is a {self.kind}; {_ACTORS[self.order.action]}"
-
-    @property
-    def crowd(self) -> int:
-        return int(count_in(self.pieces, self.me.camp, self.me.cell))
-
-    @property
-    def crowd_limit(self) -> str:
-        return f"at most {int(self.rules.stack_limit) - 1}"
-
-    @property
-    def n_actions(self) -> int:
-        return len(Action)
+_FACTS: dict[str, Callable[[Case], object]] = {
+    "tick": lambda case: int(case.game.tick),
+    "piece": lambda case: case.spoken(case.i),
+    "camp": lambda case: camp_name(case.me.camp),
+    "kind": lambda case: kind_name(case.me.kind),
+    "here": lambda case: case.roster.cell_name(case.me.cell),
+    "carrier": lambda case: case.spoken(case.me.carrier),
+    "doing": lambda case: doing(case.me),
+    "verb": lambda case: verb(case.order.action),
+    "does": lambda case: _DOES[case.order.action],
+    "busy_ticks": lambda case: busy_ticks(case),
+    "keep_ticks": lambda case: case.left(case.me.keep_ends),
+    "cool_ticks": lambda case: case.left(case.me.cool_ends),
+    "mortar_ticks": lambda case: case.left(case.me.mortar_ends),
+    "stop_ticks": lambda case: case.rules.stop_ticks,
+    "decompress_above_ticks": lambda case: case.rules.decompress_above_ticks,
+    "hop_done": lambda case: int(hop_progress(case.me, case.game.tick)),
+    "hop_need": lambda case: case.me.hop_need,
+    "hop_from": lambda case: bad_hop(case)[0],
+    "hop_to": lambda case: bad_hop(case)[1],
+    "path_cells": lambda case: len(case.order.words()),
+    "path_limit": lambda case: case.rules.path_limit,
+    "target": lambda case: case.spoken(case.row.target),
+    "weapon": lambda case: Weapon(case.row.weapon).name,
+    "weapons": lambda case: weapons(case.me, case.rules),
+    "armed": lambda case: case.spoken(case.shooter),
+    "aim": lambda case: aim(case),
+    "apart": lambda case: int(cells_apart(case.cells, case.pieces[case.shooter].cell, case.aim_cell)),
+    "uphill": lambda case: uphill(case),
+    "reach": lambda case: reach(case),
+    "partner": lambda case: case.spoken(case.partner),
+    "partner_doing": lambda case: partner_doing(case.pieces[case.partner], case.game),
+    "partners": lambda case: partners(case),
+    "wrong_type": lambda case: wrong_type(case),
+    "crowd": lambda case: int(count_in(case.pieces, case.me.camp, case.me.cell)),
+    "crowd_limit": lambda case: case.rules.stack_limit - 1,
+    "n_actions": lambda case: len(Action),
+}
 
 
 def kind_name(kind: int) -> str:
@@ -344,8 +215,15 @@ def doing(piece: Row) -> str:
     return "stopping" if piece.stop_ends != NEVER else "settled"
 
 
+def busy_ticks(case: Case) -> int:
+    """Ticks until the longest of the piece's transitions ends."""
+    me = case.me
+    ends = (me.hide_ends, me.board_ends, me.decompress_ends, me.stop_ends)
+    return max(case.left(end) for end in ends if end != NEVER)
+
+
 def partner_doing(piece: Row, game: Row) -> str:
-    """What keeps a partner from taking part, as a piece of a sentence."""
+    """What keeps a partner from taking part."""
     if piece.blood == 0:
         return "destroyed"
     if not on_map(piece):
@@ -359,19 +237,65 @@ def partner_doing(piece: Row, game: Row) -> str:
     return "cooling down" if piece.cool_ends != NEVER else "under orders"
 
 
-def reach_of(weapon: int, shooter: Row, target: Row, rules: Row) -> str:
-    """Distances at which a weapon has an attack level: "0 to 18"."""
-    levels = rules.level[weapon, target_class(target.kind), int(shooter.blood)]
+def weapons(piece: Row, rules: Row) -> str:
+    """The weapons that a piece carries."""
+    return ", ".join(weapon.name for weapon in Weapon if rules.pool[piece.kind, weapon] != NO_POOL)
+
+
+def aim(case: Case) -> str:
+    """What is fired at: a piece, or a cell."""
+    if case.order.action == Action.INDIRECT_SHOOT:
+        return case.roster.cell_name(case.aim_cell)
+    return case.spoken(case.row.target)
+
+
+def uphill(case: Case) -> int:
+    """Levels that the target stands above the shooter."""
+    levels = case.cells.level
+    return int(levels[case.aim_cell]) - int(levels[case.pieces[case.shooter].cell])
+
+
+def reach(case: Case) -> str:
+    """Distances at which the weapon has an attack level: "0 to 18 cells"."""
+    rules = case.rules
+    if case.order.action == Action.INDIRECT_SHOOT:
+        return f"{rules.mortar_min_cells} to {rules.mortar_max_cells} cells"
+    shooter, target = case.pieces[case.shooter], case.pieces[case.row.target]
+    levels = rules.level[case.row.weapon, target_class(target.kind), int(shooter.blood)]
     reached = [apart for apart, level in enumerate(levels) if level > 0]
-    return f"{reached[0]} to {reached[-1]} cells" if reached else "no target of this type"
+    return f"{reached[0]} to {reached[-1]} cells" if reached else f"no {kind_name(target.kind)}"
+
+
+def partners(case: Case) -> str:
+    """Who could be the partner that the order needs."""
+    if case.order.action == Action.GET_OFF:
+        return _named(case, case.me.passenger, "its passenger, and it carries none")
+    if case.order.action == Action.GET_ON:
+        return f"a chariot of {camp_name(case.me.camp)} in its own cell"
+    if case.me.kind == PieceType.SOLDIER:
+        return _named(case, case.me.home, "its own chariot, and it has none")
+    return f"a chariot of {camp_name(case.me.camp)}"
+
+
+def _named(case: Case, i: int, nobody: str) -> str:
+    return nobody if i == NO_PIECE else case.spoken(i)
+
+
+def wrong_type(case: Case) -> str:
+    """Who acts, or is aimed at, and is of a type that cannot."""
+    is_guider = case.me.kind in {PieceType.SOLDIER, PieceType.AEROCRAFT}
+    if case.order.action == Action.GUIDE_SHOOT and is_guider:
+        target = f"{case.spoken(case.row.target)} is a {kind_name(case.pieces[case.row.target].kind)}"
+        return f"{target}; a guided missile needs a tank or chariot as target"
+    return f"{case.spoken(case.i)} is a {kind_name(case.me.kind)}; {_ACTORS[case.order.action]}"
 
 
 def bad_hop(case: Case) -> tuple[str, str]:
     """First hop of a path that is not possible, or the first of all, as two names."""
-    here, steps = int(case.me.cell), case.order.path if isinstance(case.order, Move) else ()
+    here, steps = int(case.me.cell), case.order.words()
     for k, step in enumerate(steps):
         direction = int(case.row.path[k])
         if direction == GAP or not hop_from(case.me.kind, here, direction, case.rules, case.cells):
             return case.roster.cell_name(here), step
         here = int(case.cells[here].neighbour[direction])
-    return case.here, steps[0]
+    return case.roster.cell_name(case.me.cell), steps[0]

@@ -9,8 +9,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from hexwar_sb3.maps.cells import NO_CELL as NO_CELL  # off the map, void, or never seen
+from hexwar_sb3.maps import cells
 
+NO_CELL = cells.NO_CELL  # off the map, void, or never seen
 NEVER = 32767  # end tick of a timer that does not run
 NO_PIECE = -1
 

@@ -37,9 +37,9 @@ def sight_cells(observer: Row, target: Row, rules: Row, cells: Rows) -> int:
     if target.hidden:
         lower = airborne or cells[target.cell].elev_m < cells[observer.cell].elev_m
         if target.kind == PieceType.SOLDIER or not lower:
-            reach = max(1, reach // 2)
+            reach = max(1, reach // rules.hidden_sight_divisor)
     if cells[target.cell].concealed and target.kind != PieceType.AEROCRAFT:
-        reach = max(1, reach // 2)
+        reach = max(1, reach // rules.concealed_sight_divisor)
     return reach
 
 

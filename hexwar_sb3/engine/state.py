@@ -94,7 +94,7 @@ def _chariots(world: World) -> list[int]:
 
 def _set_up(state: State, world: World) -> None:
     """Write the start of the scenario into game 0 and take the first look."""
-    game, pieces, memory, paths, rounds, orders, _ = state.game(0)
+    game, pieces, memory, paths, rounds, _, _ = state.game(0)
     _set_up_game(game, world)
     for i in range(world.n_pieces):
         _set_up_piece(i, pieces, world)

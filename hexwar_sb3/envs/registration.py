@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, Any
 
 import gymnasium
 
-from hexwar_sb3.envs.settings import TaskSettings
 from hexwar_sb3.errors import UnknownNameError
 
 if TYPE_CHECKING:
@@ -14,6 +13,7 @@ if TYPE_CHECKING:
 
 TASK_ENV = "HexWarTask-v0"
 _ENTRY_POINTS = {TASK_ENV: "hexwar_sb3.envs.task_env:TaskEnv"}
+_OUTCOME = ("win", "margin", "points_held")  # infos of an ended game that SB3's episode records keep
 
 
 def register_envs() -> None:
@@ -39,10 +39,12 @@ def make_vec_env(env_id: str = TASK_ENV, n_envs: int = 1, seed: int = 0, **setti
     Example:
         >>> env = make_vec_env("HexWarTask-v0", n_envs=16, opponent=[("MA1", 2), ("MA2", 1)])
     """
-    from stable_baselines3.common.vec_env import VecMonitor  # torch: only where it is needed
+    # numba and torch: only where they are needed, `import hexwar_sb3` registers without them
+    from stable_baselines3.common.vec_env import VecMonitor
 
+    from hexwar_sb3.envs.settings import task_settings
     from hexwar_sb3.envs.task_vec_env import TaskVecEnv
 
     if env_id not in _ENTRY_POINTS:
         raise UnknownNameError("env", env_id, _ENTRY_POINTS)
-    return VecMonitor(TaskVecEnv(n_envs, TaskSettings(**settings), seed))
+    return VecMonitor(TaskVecEnv(n_envs, task_settings(settings), seed), info_keywords=_OUTCOME)

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from pathlib import Path
+from typing import Any
 
 from hexwar_sb3.errors import ConfigError, UnknownNameError
 from hexwar_sb3.maps.scenario import Scenario
 from hexwar_sb3.play.records import DECISION_TICKS
+from hexwar_sb3.play.seeds import check_whole
 
 SIDES = ("red", "blue", "both")
 REWARDS = ("paper", "net")
@@ -45,10 +47,24 @@ class TaskSettings:
         _check_choice("dtype", self.dtype, DTYPES)
         check_share("warm_start", self.warm_start)
         check_share("demo_share", self.demo_share)
-        if isinstance(self.decision_ticks, bool) or not isinstance(self.decision_ticks, int) or self.decision_ticks < 1:
-            raise ConfigError(f"decision_ticks must be an integer >= 1, got {self.decision_ticks!r}")
+        check_whole("decision_ticks", self.decision_ticks, least=1)
         if self.demo_share > 0 and self.demo_bot is None:
             raise ConfigError("demo_share needs a demo_bot, for example demo_bot='MA1'")
+        if self.demo_bot is not None and self.decision_ticks == 1:
+            raise ConfigError("a demo_bot needs decision_ticks >= 2: it is watched for one tick first")
+
+
+def task_settings(settings: dict[str, Any]) -> TaskSettings:
+    """Settings from keywords.
+
+    Raises:
+        UnknownNameError: no such setting.
+    """
+    known = [field.name for field in fields(TaskSettings)]
+    for name in settings:
+        if name not in known:
+            raise UnknownNameError("setting", name, known)
+    return TaskSettings(**settings)
 
 
 def _check_choice(setting: str, value: str, choices: tuple[str, ...]) -> None:

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any, ClassVar
+from typing import Any, cast
 
 import gymnasium
 import numpy as np
+from gymnasium import spaces
 from numpy.typing import NDArray
 
-from hexwar_sb3.envs.settings import TaskSettings
+from hexwar_sb3.envs.settings import task_settings
 from hexwar_sb3.envs.task_games import Obs, TaskGames, action_space, observation_space
 
 
@@ -20,15 +21,17 @@ class TaskEnv(gymnasium.Env[Obs, NDArray[np.int64]]):
         >>> obs, info = env.reset(seed=0)
     """
 
-    metadata: ClassVar[dict[str, Any]] = {"render_modes": []}
+    metadata: dict[str, Any] = {"render_modes": []}  # noqa: RUF012  (Gymnasium declares it so)
     render_mode = None
 
     def __init__(self, **settings: Any) -> None:
-        self.games = TaskGames(1, TaskSettings(**settings))
-        self.observation_space = observation_space(self.games.sight)
+        self.games = TaskGames(1, task_settings(settings))
+        self.observation_space = cast("spaces.Space[Obs]", observation_space(self.games.sight))
         self.action_space = action_space(self.games.sight)
 
-    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Obs, dict[str, Any]]:
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[Obs, dict[str, Any]]:
         """Start the next episode; with a seed, the first one of that seed."""
         super().reset(seed=seed)
         if seed is not None:

@@ -16,13 +16,14 @@ from hexwar_sb3.errors import ConfigError
 from hexwar_sb3.play.arena import Arena, Games, Setup, Snapshot
 from hexwar_sb3.play.look import Sight
 from hexwar_sb3.play.player import BotPlayer, Seat, make_mixture, make_player
-from hexwar_sb3.play.seeds import check_seed, episode_draw, game_seed
+from hexwar_sb3.play.seeds import check_seed, check_whole, episode_draw, game_seed
+from hexwar_sb3.play.warm import WARM_TICKS, send_out
 from hexwar_sb3.rules.enums import Camp
 from hexwar_sb3.tasks.records import MAX_TASKS
 
 Obs = dict[str, NDArray[Any]]
 
-_DEMO_STREAM = 2  # of an episode's draws; 1 is the opponent's
+_DEMO_STREAM, _WARM_STREAM = 2, 3  # of an episode's draws; 1 is the opponent's
 
 
 @dataclass(frozen=True)
@@ -44,13 +45,12 @@ class TaskGames:
     """
 
     def __init__(self, n_games: int, settings: TaskSettings, seed: int = 0) -> None:
-        if n_games < 1:
-            raise ConfigError(f"n_envs must be >= 1, got {n_games}")
+        check_whole("n_envs", n_games, least=1)
         self.settings, self.n_games = settings, n_games
         self.mixture = make_mixture(settings.opponent)
         self.demo_bot = None if settings.demo_bot is None else make_player(settings.demo_bot)
-        self.demo_share = settings.demo_share
-        self.arena = Arena(load_world(settings.scenario), n_games, _setup(settings))
+        self.demo_share, self.warm_start = settings.demo_share, settings.warm_start
+        self.arena = Arena(load_world(settings.scenario), n_games, setup_of(settings))
         self.all = np.arange(n_games)
         self.camps = np.zeros(n_games, np.int64)  # the learner's [n]
         self.episodes = np.full(n_games, -1)  # number of the episode in each slot [n]
@@ -77,8 +77,9 @@ class TaskGames:
             self.opponents[b] = self.mixture.draw(self._seed, episode)
             draw = episode_draw(self._seed, episode, _DEMO_STREAM).random()
             self.demos[b] = self.demo_bot is not None and draw < self.demo_share
-            self.arena.begin(int(b), game_seed(self._seed, episode), *self._seats(b))
+            self.arena.begin(int(b), game_seed(self._seed, episode), *self._seats(int(b)))
             self.arena.drives[b].asked[self.camps[b]] = 1
+            self._warm_up(int(b), episode_draw(self._seed, episode, _WARM_STREAM))
 
     def look(self, which: Games) -> Obs:
         """Fill the present buffers for these games; the observation of all of them."""
@@ -135,13 +136,18 @@ class TaskGames:
             array[...] = snapshot[name]
         self._seed, self._next_episode = (int(n) for n in snapshot["counters"])
         for b in self.all:
-            for camp, seat in enumerate(self._seats(b)):
+            for camp, seat in enumerate(self._seats(int(b))):
                 self.arena.sit(int(b), camp, seat)
         self.arena.restore(snapshot)
         return self.look(self.all)
 
     def _slots(self) -> Snapshot:
-        return {"camps": self.camps, "episodes": self.episodes, "opponents": self.opponents, "demos": self.demos}
+        return {
+            "camps": self.camps,
+            "episodes": self.episodes,
+            "opponents": self.opponents,
+            "demos": self.demos,
+        }
 
     def _camp_of(self, episode: int) -> Camp:
         if self.settings.side == "both":
@@ -153,6 +159,17 @@ class TaskGames:
         other = self.mixture.players[self.opponents[b]]
         return (own, other) if self.camps[b] == Camp.RED else (other, own)
 
+    def _warm_up(self, b: int, rng: np.random.Generator) -> None:
+        """In a share of the episodes, play the way to the hot spots before the first decision (III-C)."""
+        if rng.random() >= self.warm_start or self.demos[b]:
+            return
+        arena, camp, step = self.arena, int(self.camps[b]), self.settings.decision_ticks
+        send_out(camp, arena.state.games[b], arena.state.pieces[b], arena.plans[b], arena.world, rng)
+        arena.drives[b].due[camp], arena.drives[b].fresh[camp] = 0, 1
+        arena.drives[b].period[camp] = max(1, WARM_TICKS // step) * step
+        self._advance(np.array([b]))
+        arena.drives[b].period[camp] = step
+
     def _advance(self, which: Games) -> None:
         """Play on until the learner is due or the game is over, asking the opponents meanwhile."""
         while which.size:
@@ -162,20 +179,32 @@ class TaskGames:
             which = which[waiting]
 
     def _show(self, shown: Games) -> dict[int, NDArray[np.int64]]:
-        """Let the demo bot think, and read its plans as task indices of what was observed."""
-        return {}
+        """Let the demo bot think in this state, and name its plans by the task sets that were observed."""
+        named: dict[int, NDArray[np.int64]] = {}
+        if not shown.size:
+            return named
+        periods, camps = self.arena.drives.period, self.camps[shown]
+        periods[shown, camps] = 1
+        self._advance(shown)
+        periods[shown, camps] = self.settings.decision_ticks
+        for b, camp in zip(shown, camps, strict=True):
+            named[int(b)] = self.arena.name_plans(int(b), int(camp), self.sight, int(b))
+        return named
 
     def _new_sight(self) -> Sight:
         camp = Camp.BLUE if self.settings.side == "blue" else Camp.RED
         world = self.arena.world
-        if self.settings.side == "both" and len(world.piece_names(camp)) != len(world.piece_names(enemy_of(camp))):
+        if self.settings.side == "both" and len(world.piece_names(camp)) != len(
+            world.piece_names(enemy_of(camp))
+        ):
             raise ConfigError("side='both' needs equally many pieces in both camps")
         return Sight(
             world, camp, self.n_games, dtype=self.settings.dtype, with_state=self.settings.privileged_state
         )
 
 
-def _setup(settings: TaskSettings) -> Setup:
+def setup_of(settings: TaskSettings) -> Setup:
+    """How an arena plays under these settings."""
     return Setup(
         decision_ticks=(settings.decision_ticks, settings.decision_ticks),
         early=settings.decisions == "event",

@@ -80,6 +80,10 @@ class TaskVecEnv(VecEnv):
         """Share of the episodes, from the next ones on, in which the demo bot plays the learner's seat."""
         self.games.demo_share = check_share("demo_share", share)
 
+    def set_warm_start(self, share: float) -> None:
+        """Share of the episodes, from the next ones on, that begin near the hot spots."""
+        self.games.warm_start = check_share("warm_start", share)
+
     def snapshot(self) -> Snapshot:
         """Everything that changes in play, as arrays that `np.savez` takes."""
         return self.games.snapshot()
@@ -105,7 +109,9 @@ class TaskVecEnv(VecEnv):
         by_game = isinstance(result, np.ndarray) and len(result) == self.num_envs
         return [result[b] if by_game else result for b in self._get_indices(indices)]
 
-    def env_is_wrapped(self, wrapper_class: type[Wrapper[Any, Any, Any, Any]], indices: VecEnvIndices = None) -> list[bool]:
+    def env_is_wrapped(
+        self, wrapper_class: type[Wrapper[Any, Any, Any, Any]], indices: VecEnvIndices = None
+    ) -> list[bool]:
         """No game has a wrapper of its own."""
         return [False for _ in self._get_indices(indices)]
 

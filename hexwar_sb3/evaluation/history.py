@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from pathlib import Path
+from zipfile import BadZipFile
 
 import numpy as np
 
@@ -51,9 +52,9 @@ class History:
             FileFormatError: the file is not one of ours.
         """
         try:
-            with np.load(path, allow_pickle=False) as data:
+            with path.open("rb") as file, np.load(file, allow_pickle=False) as data:
                 timesteps, margins, scores, points = (data[key] for key in KEYS)
-        except (OSError, ValueError, KeyError, EOFError) as error:
+        except (OSError, ValueError, KeyError, EOFError, BadZipFile) as error:
             raise FileFormatError(path, "file", found=str(error), expected=f"arrays {KEYS}") from error
         rows = [i for i, step in enumerate(timesteps) if until is None or step <= until]
         return cls(

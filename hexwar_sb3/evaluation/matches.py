@@ -1,8 +1,8 @@
-"""Matches: many games of one pairing, each with its own seed, played in batches."""
+"""Matches: many games of one pairing, counted, with intervals."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -12,13 +12,9 @@ from hexwar_sb3.errors import ConfigError
 from hexwar_sb3.evaluation.results import CampResult, MatchResult
 from hexwar_sb3.evaluation.seeds import Purpose, seed_for
 from hexwar_sb3.maps.scenario import Scenario
-from hexwar_sb3.play.arena import Arena, Setup
-from hexwar_sb3.play.player import make_player
+from hexwar_sb3.play.match import MatchGames, play_games
 from hexwar_sb3.play.records import DECISION_TICKS
-from hexwar_sb3.play.seeds import game_seed
 from hexwar_sb3.rules.enums import Camp
-
-BATCH_GAMES = 256  # games played side by side; the result does not depend on it
 
 
 def play_match(
@@ -30,7 +26,7 @@ def play_match(
     *,
     purpose: Purpose = Purpose.REPORT,
     decision_ticks: int = DECISION_TICKS,
-    batch_games: int = BATCH_GAMES,
+    progress: Callable[[int], object] | None = None,
 ) -> MatchResult:
     """Play games between two players and count.
 
@@ -42,7 +38,7 @@ def play_match(
         seed: in 0..999999.
         purpose: shifts the seed into the range that this kind of games has for itself.
         decision_ticks: ticks between two decisions of a policy.
-        batch_games: games side by side.
+        progress: called with the number of games played so far, now and then.
 
     Raises:
         UnknownNameError: no such player or scenario.
@@ -53,44 +49,25 @@ def play_match(
     """
     if games < 1:
         raise ConfigError(f"games must be at least 1, got {games}")
-    world = load_world(scenario)
-    seats = make_player(red), make_player(blue)
-    first_seed = seed_for(purpose, seed)
-    arena = Arena(world, min(games, batch_games), Setup(decision_ticks=(decision_ticks, decision_ticks)))
-    camps: tuple[list[CampResult], list[CampResult]] = ([], [])
-    for episodes in _batches(games, arena.n_games):
-        for b, episode in enumerate(episodes):
-            arena.begin(b, game_seed(first_seed, episode), *seats)
-        play_out(arena, len(episodes))
-        for camp in (Camp.RED, Camp.BLUE):
-            camps[camp].append(result_of(arena, camp, len(episodes)))
+    outcome = play_games(
+        red, blue, games, scenario, seed_for(purpose, seed), decision_ticks=decision_ticks, progress=progress
+    )
     return MatchResult(
         red_name=player_name(red),
         blue_name=player_name(blue),
-        scenario=world.scenario.name,
+        scenario=load_world(scenario).scenario.name,
         seed=seed,
-        red=CampResult.joined(camps[Camp.RED]),
-        blue=CampResult.joined(camps[Camp.BLUE]),
+        red=camp_result(outcome, Camp.RED),
+        blue=camp_result(outcome, Camp.BLUE),
     )
 
 
-def play_out(arena: Arena, games: int) -> None:
-    """Play the first `games` games of an arena to their ends."""
-    running = np.arange(games)
-    while running.size:
-        arena.ask(running)
-        arena.advance(running)
-        running = running[~arena.over(running)]
-
-
-def result_of(arena: Arena, camp: Camp, games: int) -> CampResult:
-    """What a camp reached in the first `games` games of an arena."""
-    which = np.arange(games)
-    camps = np.full(games, camp)
+def camp_result(outcome: MatchGames, camp: Camp) -> CampResult:
+    """What a camp reached in the games of a match."""
     return CampResult(
-        scores=arena.wins(which, camps),
-        margins=arena.margins(which, camps).astype(np.float64),
-        points_held=np.array([arena.points_held(b, camp) for b in which]),
+        scores=outcome.win if camp == Camp.RED else 1.0 - outcome.win,
+        margins=outcome.margins[:, camp].astype(np.float64),
+        points_held=outcome.points_held[:, camp],
     )
 
 
@@ -99,8 +76,3 @@ def player_name(player: object) -> str:
     if isinstance(player, str | Path):
         return Path(player).name
     return str(getattr(player, "name", type(player).__name__))
-
-
-def _batches(games: int, size: int) -> Iterator[range]:
-    for start in range(0, games, size):
-        yield range(start, min(start + size, games))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 from hexwar_sb3.evaluation.matches import play_match
 from hexwar_sb3.evaluation.results import CampResult
@@ -33,7 +34,7 @@ class Panel:
         """The games against one opponent, both colours together."""
         return CampResult.joined(result for (name, _), result in self.cells.items() if name == opponent)
 
-    def summary(self) -> list[dict[str, object]]:
+    def summary(self) -> list[dict[str, Any]]:
         """One JSON object a cell."""
         return [
             {"player": self.player, "opponent": opponent, "camp": camp, **result.summary()}

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -71,7 +72,7 @@ class CampResult:
             np.concatenate([result.points_held for result in results]),
         )
 
-    def summary(self) -> dict[str, object]:
+    def summary(self) -> dict[str, Any]:
         """All figures as JSON values."""
         win_rate, margin = self.win_rate, self.mean_margin
         return {
@@ -128,7 +129,7 @@ class MatchResult:
         """Red's mean margin with its interval, in points."""
         return self.red.mean_margin
 
-    def summary(self) -> dict[str, object]:
+    def summary(self) -> dict[str, Any]:
         """All figures as JSON values."""
         return {
             "scenario": self.scenario,

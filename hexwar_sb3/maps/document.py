@@ -17,9 +17,7 @@ _SHOWN_CHARACTERS = 60  # of a wrong value, in a message
 class Document:
     """A JSON object with its file and its place in it, for messages."""
 
-    def __init__(
-        self, data: object, source: str, error: type[FileFormatError], place: str = "file"
-    ) -> None:
+    def __init__(self, data: object, source: str, error: type[FileFormatError], place: str = "file") -> None:
         self.source, self.error, self.place = source, error, place
         if not isinstance(data, dict):
             self.fail(place, shown(data), "an object { ... }")

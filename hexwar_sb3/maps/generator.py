@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 import numpy as np
+import numpy.typing as npt
 
 from hexwar_sb3.maps.geometry import Bools
 from hexwar_sb3.maps.hexmap import HexMap
@@ -14,6 +15,9 @@ from hexwar_sb3.maps.scenario import ControlPoint, PieceStart, Scenario
 from hexwar_sb3.rules.enums import Camp, PieceType
 
 Place: TypeAlias = tuple[int, int]  # x, y
+Altitudes: TypeAlias = npt.NDArray[np.int16]  # metres [y, x]
+
+_LAST_FIELD = 1e-3  # weight that lets the last flooded field be a part of a parcel
 
 WIDTH, HEIGHT = 71, 70
 GRADE_M = 10
@@ -43,7 +47,8 @@ class MapPlan:
     roughness: float  # share of the small forms
     concealed: float  # share of the playable cells
     slushy: float  # share of the playable cells
-    fields: float = 0.0  # 0: marsh along the streams, 1: flooded fields between dykes
+    field_cells: float = 0.0  # size of flooded fields between dykes; 0: marsh along the streams
+    lowland: float = 1.0  # exponent of the heights: more than 1 makes flat low ground
     forest_cells: float = 9.0  # wavelength of the forests
     forest_height: float = 0.0  # how much more forest high ground has than low ground
     roads: tuple[tuple[Place, ...], ...]
@@ -57,7 +62,7 @@ PLANS = {
     for plan in (
         MapPlan(
             name="plain",
-            seed=1,
+            seed=4,
             relief_m=60,
             swell_cells=20,
             ridges=0.2,
@@ -71,7 +76,7 @@ PLANS = {
         ),
         MapPlan(
             name="hills",
-            seed=2,
+            seed=5,
             relief_m=300,
             swell_cells=20,
             ridges=0.8,
@@ -86,14 +91,15 @@ PLANS = {
         ),
         MapPlan(
             name="paddy",
-            seed=3,
+            seed=4,
             relief_m=40,
             swell_cells=24,
             ridges=0.0,
             roughness=0.2,
             concealed=0.12,
             slushy=0.30,
-            fields=1.0,
+            field_cells=5.5,
+            lowland=2.0,
             forest_cells=6.0,
             roads=(((0, 40), (16, 42), (35, 46)),),
             villages=((16, 42), (27, 45)),
@@ -108,10 +114,10 @@ def generate(plan: MapPlan) -> HexMap:
     """The map of a plan; the same plan gives the same map."""
     canvas = Canvas(WIDTH, HEIGHT, np.random.default_rng(plan.seed))
     lakes = _lakes(canvas, plan)
-    height = _relief(canvas, plan, lakes)
+    height = _relief(canvas, plan)
     streams = _streams(canvas, plan, height)
     height = _carved(canvas, height, streams | lakes)
-    elev_m = _quantised(canvas, plan, height, lakes)
+    elev_m = _quantised(canvas, plan, height)
     roads = _roads(canvas, plan, elev_m, lakes)
     open_ground = canvas.playable & ~lakes & ~roads & ~_clearings(canvas)
     slushy = _slushy(canvas, plan, elev_m, streams & ~lakes, lakes, open_ground)
@@ -136,9 +142,7 @@ def standard_scenario(hexmap: HexMap) -> Scenario:
         ControlPoint(name=name, cell=y * hexmap.width + x, value=value)
         for name, ((x, y), value) in POINTS.items()
     )
-    return Scenario(
-        name=hexmap.name, hexmap=hexmap, pieces=pieces, points=points, game_ticks=GAME_TICKS
-    )
+    return Scenario(name=hexmap.name, hexmap=hexmap, pieces=pieces, points=points, game_ticks=GAME_TICKS)
 
 
 def _piece(hexmap: HexMap, camp: Camp, name: str) -> PieceStart:
@@ -166,19 +170,18 @@ def _clearings(canvas: Canvas) -> Bools:
 def _lakes(canvas: Canvas, plan: MapPlan) -> Bools:
     marks = np.zeros(canvas.playable.shape, np.bool_)
     for place, reach in plan.lakes:
-        patch = canvas.hexagon(canvas.cell(*place), reach)
-        marks |= canvas.both_sides(np.flatnonzero(patch).tolist())
+        marks |= canvas.symmetric(canvas.hexagon(canvas.cell(*place), reach))
     return marks
 
 
-def _relief(canvas: Canvas, plan: MapPlan, lakes: Bools) -> Field:
+def _relief(canvas: Canvas, plan: MapPlan) -> Field:
     """Heights about 0..1, before anything is dug [y, x]."""
     rolling = canvas.noise(plan.swell_cells) / 2
     ridge = 1 - 2 * abs(canvas.noise(plan.swell_cells))
     height = rolling * (1 - plan.ridges) + ridge / 2 * plan.ridges
     height += plan.roughness * canvas.noise(plan.swell_cells / 2.5) / 2
     low, high = np.quantile(height[canvas.playable], (0.01, 0.99))
-    return np.clip((height - low) / (high - low), 0, 1)
+    return np.clip((height - low) / (high - low), 0, 1) ** plan.lowland
 
 
 def _streams(canvas: Canvas, plan: MapPlan, height: Field) -> Bools:
@@ -202,16 +205,16 @@ def _carved(canvas: Canvas, height: Field, water: Bools) -> Field:
     return height
 
 
-def _quantised(canvas: Canvas, plan: MapPlan, height: Field, lakes: Bools) -> np.ndarray:
+def _quantised(canvas: Canvas, plan: MapPlan, height: Field) -> Altitudes:
+    """Altitudes in whole levels; every lake is level [y, x]."""
     levels = np.rint(height * plan.relief_m / GRADE_M)
     for place, reach in plan.lakes:
-        patch = canvas.hexagon(canvas.cell(*place), reach)
-        patch = canvas.both_sides(np.flatnonzero(patch).tolist())
+        patch = canvas.symmetric(canvas.hexagon(canvas.cell(*place), reach))
         levels[patch] = levels[patch].min()
     return np.where(canvas.playable, levels * GRADE_M, 0).astype(np.int16)
 
 
-def _roads(canvas: Canvas, plan: MapPlan, elev_m: np.ndarray, lakes: Bools) -> Bools:
+def _roads(canvas: Canvas, plan: MapPlan, elev_m: Altitudes, lakes: Bools) -> Bools:
     steep = _steepness(canvas, elev_m)
     cost = 1 + 0.6 * steep + 0.5 * abs(canvas.noise(6))
     cost[lakes | ~canvas.playable | (canvas.east > 0)] = NEVER_HERE
@@ -221,7 +224,7 @@ def _roads(canvas: Canvas, plan: MapPlan, elev_m: np.ndarray, lakes: Bools) -> B
     return canvas.both_sides(cells)
 
 
-def _steepness(canvas: Canvas, elev_m: np.ndarray) -> Field:
+def _steepness(canvas: Canvas, elev_m: Altitudes) -> Field:
     """Levels to the steepest neighbour [y, x]."""
     levels = elev_m.ravel() / GRADE_M
     climb = np.where(canvas.neighbours < 0, 0, abs(levels[canvas.neighbours] - levels[:, None]))
@@ -229,21 +232,23 @@ def _steepness(canvas: Canvas, elev_m: np.ndarray) -> Field:
 
 
 def _slushy(
-    canvas: Canvas, plan: MapPlan, elev_m: np.ndarray, streams: Bools, lakes: Bools, allowed: Bools
+    canvas: Canvas, plan: MapPlan, elev_m: Altitudes, streams: Bools, lakes: Bools, allowed: Bools
 ) -> Bools:
     count = round(plan.slushy * canvas.playable.sum())
     wet = 2 * np.exp(-canvas.distance(streams | lakes) / 3) - elev_m / plan.relief_m
-    score = wet + 0.5 * canvas.noise(6) + 10 * streams
-    return highest(score, allowed, count)
+    wet += 0.5 * canvas.noise(6)
+    if plan.field_cells:
+        means, dykes = canvas.parcels(plan.field_cells, wet)
+        wet = means + _LAST_FIELD * wet
+        allowed = allowed & (~dykes | streams)
+    return highest(wet + 10 * streams, allowed, count)
 
 
-def _concealed(
-    canvas: Canvas, plan: MapPlan, elev_m: np.ndarray, roads: Bools, allowed: Bools
-) -> Bools:
+def _concealed(canvas: Canvas, plan: MapPlan, elev_m: Altitudes, roads: Bools, allowed: Bools) -> Bools:
     villages = np.zeros(roads.shape, np.bool_)
     for place in plan.villages:
-        patch = canvas.disc(canvas.cell(*place), 1)
-        villages |= canvas.both_sides(np.flatnonzero(patch).tolist()) & (roads | allowed)
+        centre = canvas.nearest(canvas.cell(*place), roads)
+        villages |= canvas.symmetric(canvas.disc(centre, 1)) & (roads | allowed)
     count = round(plan.concealed * canvas.playable.sum()) - int(villages.sum())
     score = canvas.noise(plan.forest_cells) + plan.forest_height * elev_m / plan.relief_m
     score += 0.3 * canvas.noise(3)

@@ -46,7 +46,7 @@ def parse_cell(name: str, width: int, height: int) -> Cell:
         ConfigError: not four digits, or no playable cell of this map.
     """
     if not re.fullmatch(r"[0-9]{4}", name):
-        raise ConfigError(f"cell {name!r}: expected four digits, column then row, as in \"0912\"")
+        raise ConfigError(f'cell {name!r}: expected four digits, column then row, as in "0912"')
     x, y = int(name[:2]) - 1, int(name[2:]) - 1
     if not (0 <= y < height and 0 <= x < row_cells(y, width)):
         raise ConfigError(f"cell {name!r} is off the map: {_extent(width, height)}")

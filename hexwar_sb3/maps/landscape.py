@@ -9,6 +9,8 @@ from __future__ import annotations
 import heapq
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
+from typing import TypeAlias, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -24,7 +26,8 @@ from hexwar_sb3.maps.geometry import (
     playable_mask,
 )
 
-Field = npt.NDArray[np.float64]
+Field: TypeAlias = npt.NDArray[np.float64]
+Kind = TypeVar("Kind", bound=np.generic)
 
 NEVER_HERE = np.inf  # cost of a cell that no way may use
 _WAVES = 24  # cosines in one noise field
@@ -69,17 +72,21 @@ class Canvas:
         """Index of a cell."""
         return y * self.width + x
 
-    def fold(self, field: npt.NDArray[np.generic]) -> npt.NDArray[np.generic]:
+    def fold(self, field: npt.NDArray[Kind]) -> npt.NDArray[Kind]:
         """The western half of a field, and its mirror image in the east."""
         image = field.ravel()[self.mirror].reshape(field.shape)
-        return np.where(self.east <= 0, field, image)
+        folded: npt.NDArray[Kind] = np.where(self.east <= 0, field, image)
+        return folded
 
     def both_sides(self, cells: list[int]) -> Bools:
         """Marks on some cells and on their mirror images [y, x]."""
-        marks = np.zeros(self.width * self.height, np.bool_)
-        marks[cells] = True
-        marks |= marks[self.mirror]
-        return marks.reshape(self.height, self.width)
+        marks = np.zeros((self.height, self.width), np.bool_)
+        marks.flat[cells] = True
+        return self.symmetric(marks)
+
+    def symmetric(self, marks: Bools) -> Bools:
+        """Marks and their mirror images [y, x]."""
+        return marks | marks.ravel()[self.mirror].reshape(marks.shape)
 
     def noise(self, wavelength_cells: float) -> Field:
         """A smooth symmetric random field of mean 0 and variance about 1 [y, x]."""
@@ -91,6 +98,19 @@ class Canvas:
             path = east[..., None] * np.cos(angle) + self.south[..., None] * np.sin(angle)
             total += np.cos(path * pulse + phase).sum(axis=-1)
         return self.fold(total / np.sqrt(_WAVES))
+
+    def parcels(self, size_cells: float, field: Field) -> tuple[Field, Bools]:
+        """The plane cut into parcels: the field's mean over each, and the edges between them."""
+        rows, columns = (int(extent / size_cells) + 2 for extent in (self.height, self.width))
+        grid = np.stack(np.meshgrid(np.arange(rows), np.arange(columns), indexing="ij"), axis=-1)
+        seeds = (grid + self.rng.uniform(-0.35, 0.35, grid.shape)).reshape(-1, 2) * size_cells
+        seeds[:, 1] -= self.width / 2
+        away = (self.south[..., None] - seeds[:, 0]) ** 2 + (self.east[..., None] - seeds[:, 1]) ** 2
+        parcel = self.fold(away.argmin(axis=-1)).astype(np.int64).ravel()
+        total = np.bincount(parcel, field.ravel()) / np.maximum(1, np.bincount(parcel))
+        other = (self.neighbours != NO_CELL) & (parcel[self.neighbours] > parcel[:, None])
+        shape = field.shape
+        return total[parcel].reshape(shape), self.fold(other.any(axis=1).reshape(shape)).astype(bool)
 
     def distance(self, marks: Bools) -> Field:
         """Cells from each cell to the nearest marked one [y, x]; infinite if none is marked."""
@@ -104,10 +124,12 @@ class Canvas:
 
     def disc(self, cell: int, radius: int) -> Bools:
         """The cells within `radius` of a cell [y, x]."""
-        q, r = cube_coordinates(self.width, self.height)
-        dq, dr = q - q[cell], r - r[cell]
-        near = np.maximum(np.maximum(abs(dq), abs(dr)), abs(dq + dr)) <= radius
-        return near.reshape(self.playable.shape) & self.playable
+        return self.hexagon(cell, (radius, radius, radius))
+
+    def nearest(self, cell: int, marks: Bools) -> int:
+        """The marked cell nearest to a cell; the first of several."""
+        away = np.hypot(self.east - self.east.flat[cell], self.south - self.south.flat[cell])
+        return int(np.where(marks, away, np.inf).argmin())
 
     def hexagon(self, cell: int, reach: tuple[int, int, int]) -> Bools:
         """A convex patch around a cell: within `reach` of it in each cube coordinate [y, x]."""
@@ -142,7 +164,7 @@ class Canvas:
     def way_through(self, stops: list[int], cost: Field) -> list[int]:
         """The cheapest way from stop to stop."""
         cells = stops[:1]
-        for start, goal in zip(stops, stops[1:], strict=False):
+        for start, goal in pairwise(stops):
             cells += self.way(start, goal, cost)[1:]
         return cells
 

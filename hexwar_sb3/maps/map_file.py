@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from hexwar_sb3.errors import ConfigError
 from hexwar_sb3.maps.document import Document, shown
 from hexwar_sb3.maps.geometry import MAX_SIDE_CELLS, MIN_SIDE_CELLS, Bools, row_cells
 from hexwar_sb3.maps.hexmap import HexMap

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import Any, TypeAlias
+
 import numpy as np
 import numpy.typing as npt
 from matplotlib.axes import Axes
@@ -11,41 +14,46 @@ from matplotlib.colors import LinearSegmentedColormap, Normalize, to_rgb
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
+from matplotlib.patheffects import withStroke
 
-from hexwar_sb3.maps.geometry import E, Ints, NE, SE, SW, NW, W, neighbour_cells
+from hexwar_sb3.maps.geometry import NE, NW, SE, SW, E, Ints, W, neighbour_cells
 from hexwar_sb3.maps.hexmap import HexMap
 from hexwar_sb3.maps.scenario import PieceStart, Scenario
 from hexwar_sb3.rules.enums import Camp
 from hexwar_sb3.rules.ruleset import default_rules
 
-Colours = npt.NDArray[np.float64]
-Field = npt.NDArray[np.float64]
+Colours: TypeAlias = npt.NDArray[np.float64]
+Field: TypeAlias = npt.NDArray[np.float64]
 
 ALTITUDE = LinearSegmentedColormap.from_list(
-    "altitude", ["#dfe6bf", "#e9dfb0", "#d9bf8c", "#bd9a6d", "#9c7a5b", "#f1ece6"]
+    "altitude", ["#cfdcae", "#e3e3b4", "#ecdca6", "#dcbf87", "#c09a6b", "#a27f63", "#d8cdc4"]
 )
 FOREST, MARSH, LAKE, ROAD = "#3f6b3a", "#6fa8a0", "#7fb2d9", "#fbf3df"
 CAMP_COLOUR = {Camp.RED: "#c0392b", Camp.BLUE: "#1f4e9c", Camp.GREEN: "#2e7d32"}
 _INK = "#33302b"
 _CORNER = np.deg2rad(np.array([90, 30, -30, -90, -150, 150]))  # N, NE, SE, S, SW, NW corner
 _SIDE = {W: (4, 5), SW: (3, 4), SE: (2, 3), E: (1, 2), NE: (0, 1), NW: (5, 0)}  # its two corners
+_PLATE = {"boxstyle": "round,pad=0.2", "fc": "#ffffffcc", "ec": "none"}  # behind a text
+_INCHES = 0.165  # width of a cell
+_MARGIN = 1.3  # cells between the map and the numbers around it
 _LABEL_STEP = 10  # cells between two printed names
+_LEAST_SPAN_M = 120  # of altitudes that the colours show
 _EDGE_STEP = 5  # columns and rows between two numbers along the edge
 
 
 def picture(hexmap: HexMap, scenario: Scenario | None = None) -> Figure:
     """A map, with the control points and starts of a scenario on it."""
-    width, height = hexmap.width, hexmap.height * np.sqrt(3) / 2
-    figure = Figure(figsize=(12, 12 * height / width + 0.6), layout="constrained")
+    width, height = hexmap.width * _INCHES, hexmap.height * _INCHES * np.sqrt(3) / 2
+    figure = Figure(figsize=(max(width, 5) + 1, height + 1), layout="constrained")
     axes = figure.add_subplot()
     draw_map(axes, hexmap)
     _draw_names(axes, hexmap)
     if scenario is not None:
         draw_scenario(axes, scenario)
-    _draw_legend(axes, hexmap)
-    bar = ScalarMappable(Normalize(0, max(1, int(hexmap.elev_m.max()))), ALTITUDE)
-    figure.colorbar(bar, ax=axes, label="altitude, m", shrink=0.6, pad=0.01)
-    axes.set_title(f"{hexmap.name}: {int(hexmap.playable.sum()):,} cells", loc="left")
+    _draw_legend(axes)
+    scale = ScalarMappable(_altitudes(hexmap), ALTITUDE)
+    figure.colorbar(scale, ax=axes, label="altitude, m", shrink=0.6, pad=0.01)
+    axes.set_title(f"{hexmap.name} ({int(hexmap.playable.sum()):,} cells)", fontsize=13)
     return figure
 
 
@@ -60,7 +68,9 @@ def draw_map(axes: Axes, hexmap: HexMap) -> None:
     playable = np.flatnonzero(hexmap.playable)
     corners = _corners(hexmap)[playable]
     colours = _colours(hexmap)[playable]
-    axes.add_collection(PolyCollection(list(corners), facecolors=colours, edgecolors="#00000018", linewidths=0.3))
+    axes.add_collection(
+        PolyCollection(list(corners), facecolors=colours, edgecolors="#00000018", linewidths=0.3)
+    )
     _draw_glyphs(axes, hexmap)
     _draw_shores_and_cliffs(axes, hexmap)
     _draw_roads(axes, hexmap)
@@ -75,20 +85,14 @@ def draw_scenario(axes: Axes, scenario: Scenario) -> None:
     for point in scenario.points:
         x, y = where[point.cell]
         axes.plot(x, y, marker="*", markersize=17, color="#f4c430", markeredgecolor=_INK, zorder=6)
-        axes.annotate(
-            f"{point.name} {point.value}", (x, y), (0, 11), textcoords="offset points",
-            ha="center", fontsize=9, weight="bold", color=_INK, zorder=7,
-            bbox={"boxstyle": "round,pad=0.15", "fc": "#ffffffcc", "ec": "none"},
-        )
+        _write(axes, (x, y + 1.6), f"{point.name} {point.value}", fontsize=9, weight="bold", bbox=_PLATE)
     cells: dict[int, list[PieceStart]] = {}
     for piece in scenario.pieces:
         cells.setdefault(piece.cell, []).append(piece)
     for cell, pieces in cells.items():
         letters = "+".join(piece.kind.name[0] for piece in pieces)
-        axes.annotate(
-            letters, where[cell], ha="center", va="center", fontsize=7, weight="bold", color="white", zorder=7,
-            bbox={"boxstyle": "round,pad=0.25", "fc": CAMP_COLOUR[pieces[0].camp], "ec": "white", "lw": 0.8},
-        )
+        plate = _PLATE | {"fc": CAMP_COLOUR[pieces[0].camp], "ec": "white"}
+        _write(axes, where[cell], letters, fontsize=7, weight="bold", color="white", bbox=plate)
 
 
 def _corners(hexmap: HexMap) -> Field:
@@ -99,13 +103,17 @@ def _corners(hexmap: HexMap) -> Field:
 
 def _colours(hexmap: HexMap) -> Colours:
     """Colour of every cell [NC, RGB]: altitude with light from the north-west, then cover."""
-    relief = hexmap.elev_m.ravel() / max(1, int(hexmap.elev_m.max()))
-    colours = ALTITUDE(relief)[:, :3] * _light(hexmap)[:, None]
+    colours = ALTITUDE(_altitudes(hexmap)(hexmap.elev_m.ravel()))[:, :3] * _light(hexmap)[:, None]
     for layer, colour, share in ((hexmap.concealed, FOREST, 0.55), (hexmap.slushy, MARSH, 0.6)):
         marks = layer.ravel()
         colours[marks] = (1 - share) * colours[marks] + share * np.array(to_rgb(colour))
     colours[~hexmap.passable.ravel()] = to_rgb(LAKE)
     return np.clip(colours, 0, 1)
+
+
+def _altitudes(hexmap: HexMap) -> Normalize:
+    """The altitudes that the colours span: low ground looks low on every map."""
+    return Normalize(0, max(_LEAST_SPAN_M, int(hexmap.elev_m.max())))
 
 
 def _light(hexmap: HexMap) -> Field:
@@ -178,20 +186,26 @@ def _side_lines(hexmap: HexMap, sides: Ints) -> list[Field]:
 
 def _draw_names(axes: Axes, hexmap: HexMap) -> None:
     """Every tenth cell's name, and every fifth column and row along the edges."""
-    where = centres(hexmap)
+    where = centres(hexmap).reshape(hexmap.height, hexmap.width, 2)
+    halo = [withStroke(linewidth=1.6, foreground="#ffffffb0")]
     for y in range(_LABEL_STEP - 1, hexmap.height, _LABEL_STEP):
         for x in range(_LABEL_STEP - 1, hexmap.width - 1, _LABEL_STEP):
-            cell = y * hexmap.width + x
-            axes.text(*where[cell], hexmap.cell_name(cell), fontsize=5.5, ha="center", va="center", color=_INK, alpha=0.85, zorder=5)
+            name = hexmap.cell_name(y * hexmap.width + x)
+            _write(axes, where[y, x], name, fontsize=5.5, path_effects=halo)
     for x in range(_EDGE_STEP - 1, hexmap.width, _EDGE_STEP):
-        for y, offset in ((0, 1.2), (hexmap.height - 1, -1.4)):
-            axes.text(where[x][0], where[y * hexmap.width][1] + offset, f"{x + 1:02d}", fontsize=7, ha="center", va="center", color=_INK)
+        for place in (where[0, x] + (0, _MARGIN), where[-1, x] - (0, _MARGIN)):
+            _write(axes, place, f"{x + 1:02d}", fontsize=7)
     for y in range(_EDGE_STEP - 1, hexmap.height, _EDGE_STEP):
-        for x in (-1.5, hexmap.width + 0.5):
-            axes.text(x, where[y * hexmap.width][1], f"{y + 1:02d}", fontsize=7, ha="center", va="center", color=_INK)
+        for place in (where[y, 0] - (_MARGIN, 0), where[y, -1] + (_MARGIN, 0)):
+            _write(axes, place, f"{y + 1:02d}", fontsize=7)
 
 
-def _draw_legend(axes: Axes, hexmap: HexMap) -> None:
+def _write(axes: Axes, place: Sequence[float] | Field, text: str, **style: Any) -> None:
+    usual: dict[str, Any] = {"ha": "center", "va": "center", "color": _INK, "zorder": 7}
+    axes.text(float(place[0]), float(place[1]), text, **(usual | style))
+
+
+def _draw_legend(axes: Axes) -> None:
     handles: list[Patch | Line2D] = [
         Patch(color=FOREST, label="concealed"),
         Patch(color=MARSH, label="slushy"),
@@ -199,4 +213,11 @@ def _draw_legend(axes: Axes, hexmap: HexMap) -> None:
         Line2D([], [], color=ROAD, linewidth=3, label="paved"),
         Line2D([], [], color="#5a3a22", linewidth=2, label="too steep for vehicles"),
     ]
-    axes.legend(handles=handles, loc="upper center", bbox_to_anchor=(0.5, 0.0), ncols=len(handles), frameon=False, fontsize=9)
+    axes.legend(
+        handles=handles,
+        loc="upper center",
+        bbox_to_anchor=(0.5, 0.0),
+        ncols=len(handles),
+        frameon=False,
+        fontsize=9,
+    )

@@ -91,7 +91,9 @@ class Scenario:
     @cached_property
     def hash(self) -> str:
         """Hash of all that matters in play, the map's included."""
-        content = (self.hexmap.hash, self.pieces, self.points, self.game_ticks, self.net_score)
+        pieces = [(p.camp.name, p.name, int(p.cell), p.home, p.aboard) for p in self.pieces]
+        points = [(p.name, int(p.cell), p.value) for p in self.points]
+        content = (self.hexmap.hash, pieces, points, self.game_ticks, self.net_score)
         return hashlib.sha256(repr(content).encode()).hexdigest()[:16]
 
 
@@ -153,9 +155,9 @@ def _camp_problems(pieces: tuple[PieceStart, ...]) -> Iterator[Problem]:
         if count > 1:
             yield Problem(f"piece {name}", f"{count} of that name", "one")
     passengers = Counter((p.camp, p.home) for p in pieces if p.aboard)
-    for (_, home), count in passengers.items():
+    for (camp, home), count in passengers.items():
         if count > 1:
-            yield Problem(f"piece {home}", f"{count} soldiers aboard", "at most one")
+            yield Problem(f"piece {camp.name.lower()}:{home}", f"{count} soldiers aboard", "at most one")
 
 
 def _crowd_problems(scenario: Scenario) -> Iterator[Problem]:

@@ -44,7 +44,7 @@ def sample_step(dq: int, dr: int, i: int, up: int) -> tuple[int, int]:
 
 @kernel
 def nearest(a: int, n: int, up: int) -> int:
-    """a / n rounded to the nearest integer, halves up or down."""
+    """Quotient a / n rounded to the nearest integer, halves up or down."""
     if up:
         return (2 * a + n) // (2 * n)
     return -((n - 2 * a) // (2 * n))
@@ -163,9 +163,7 @@ def set_bit(row_bits: npt.NDArray[np.uint8], a: int, b: int) -> None:
 
 
 @kernel
-def exposures(
-    cells: Rows, los: npt.NDArray[np.uint8], range_cells: int
-) -> npt.NDArray[np.float32]:
+def exposures(cells: Rows, los: npt.NDArray[np.uint8], range_cells: int) -> npt.NDArray[np.float32]:
     """Share of the playable cells within `range_cells` that see each cell [NC], 0..1."""
     shares = np.zeros(cells.size, np.float32)
     for a in range(cells.size):

@@ -25,6 +25,7 @@ from hexwar_sb3.rules.ruleset import RuleSet
 Table: TypeAlias = npt.NDArray[Any]
 
 EXPOSURE_CELLS = 15  # how far around a cell its exposure is counted
+_WORTH_FILING_BYTES = 100_000  # smaller tables are built faster than they are read
 _RULES = (
     *("base_hop", "max_climb", "steep_m", "steep_factor", "slushy_factor", "concealed_factor"),
     *("sight", "observer_cells", "air_height_m"),
@@ -94,16 +95,18 @@ class Terrain:
 
 
 def _kept(name: str, build: Callable[[], Table]) -> Table:
-    """The table from its file, or built and filed; in memory only if the folder is not writable."""
+    """The table from its file, or built and filed; in memory if small or the folder is not writable."""
     path = cache_root() / "terrain" / f"{name}.npy"
     try:
         return np.asarray(np.load(path, mmap_mode="r"))
     except (OSError, ValueError, EOFError):  # none yet, or damaged
         table = build()
+    table.flags.writeable = False
+    if table.nbytes < _WORTH_FILING_BYTES:
+        return table
     try:
         with replacing(path) as temporary:
             np.save(temporary, np.asarray(table), allow_pickle=False)
         return np.asarray(np.load(path, mmap_mode="r"))
     except (OSError, ValueError, EOFError):  # full or read-only disk
-        table.flags.writeable = False
         return table

@@ -1,0 +1,1 @@
+"""Whole games: who plays, the compiled drive loop, many games at once."""

@@ -11,10 +11,12 @@ from numpy.typing import NDArray
 
 from hexwar_sb3.bots.atlas import make_atlas
 from hexwar_sb3.bots.records import BRAIN
+from hexwar_sb3.engine.records import NEVER
 from hexwar_sb3.engine.score import margin, points_held
 from hexwar_sb3.engine.state import State, new_state, seed_game
 from hexwar_sb3.engine.world import World
 from hexwar_sb3.kernels import Rows, kernel
+from hexwar_sb3.play.demos import name_plans
 from hexwar_sb3.play.drive import advance_until_decision
 from hexwar_sb3.play.look import Sight, choose_batch, look_batch
 from hexwar_sb3.play.player import BotPlayer, Player, Seat
@@ -52,7 +54,7 @@ class Arena:
         self.players: list[list[Player | None]] = [[None, None] for _ in range(n_games)]
         self._start = new_state(world, 1)
         self._sights: dict[int, Sight] = {}
-        self._atlas = make_atlas(world)
+        self.atlas = make_atlas(world)
         self._spots = load_spots(world)
 
     def begin(self, b: int, seed: int, red: Seat | None, blue: Seat | None) -> None:
@@ -72,6 +74,7 @@ class Arena:
         """Seat a player, a bot or (None) the caller."""
         bot = isinstance(seat, BotPlayer)
         self.drives[b].seat[camp] = seat.bot if isinstance(seat, BotPlayer) else EXTERNAL
+        self.drives[b].wake_at[camp] = 0 if bot else NEVER
         self.drives[b].asked[camp] = self.drives[b].due[camp] = not bot
         self.players[b][camp] = None if isinstance(seat, BotPlayer) else seat
 
@@ -89,7 +92,7 @@ class Arena:
         advance_until_decision(
             which, self.drives, state.games, state.pieces, state.memory, state.paths, state.rounds,
             state.orders, state.log, self.plans, self.brains,
-            world.rules, world.cells, world.los, world.eta, self._atlas,
+            world.rules, world.cells, world.los, world.eta, self.atlas,
         )  # fmt: skip
 
     def look(self, slots: Games, which: Games, camps: NDArray[np.int64], sight: Sight) -> None:
@@ -139,6 +142,13 @@ class Arena:
         if camp not in self._sights:
             self._sights[camp] = Sight(self.world, camp, self.n_games)
         return self._sights[camp]
+
+    def name_plans(self, b: int, camp: int, sight: Sight, slot: int) -> NDArray[np.int64]:
+        """Task indices [N] nearest to what camp is doing in game b, by what it saw in a slot."""
+        tasks, mask = sight.rows[slot], sight.obs["action_mask"][slot]
+        actions = np.zeros(len(tasks), np.int64)
+        name_plans(camp, self.state.games[b], self.plans[b], tasks, mask, self.world.cells, actions)
+        return actions
 
     def margins(self, which: Games, camps: NDArray[np.int64]) -> NDArray[np.int64]:
         """True margin of camp camps[k] in game which[k], points [n]."""

@@ -1,4 +1,4 @@
-"""The compiled drive loop: both camps act at every event, the engine jumps in between.
+"""The compiled drive loop: camps act when something is new to them, the engine jumps in between.
 
 The loop may be cut anywhere: whoever did nothing at a cut goes on as if it had not been there,
 so a game is the same game at every chunk size (architecture.md, section 2).
@@ -11,7 +11,8 @@ from hexwar_sb3.engine.codes import Code
 from hexwar_sb3.engine.step import has_orders, next_due, process, set_tick
 from hexwar_sb3.kernels import Row, Rows, kernel
 from hexwar_sb3.play.execute import execute_tasks
-from hexwar_sb3.play.records import EXTERNAL
+from hexwar_sb3.play.news import has_news
+from hexwar_sb3.play.records import EARLY_TICKS, EXTERNAL
 from hexwar_sb3.rules.enums import Action
 from hexwar_sb3.tasks.known import end_piece, first_piece
 from hexwar_sb3.tasks.records import ENDED, TaskKind
@@ -29,8 +30,11 @@ def ended_tasks(camp: int, game: Row, plans: Rows) -> int:
 
 @kernel
 def wants_decision(camp: int, drive: Row, game: Row, plans: Rows) -> bool:
-    """Whether an own loss or an ended task calls the camp before its next regular decision."""
-    if drive.early[camp] == 0:
+    """Whether an own loss or an ended task calls the camp before its next regular decision.
+
+    An ended task calls once: it stays marked in `drive.ended` until the piece has another one.
+    """
+    if drive.early[camp] == 0 or game.tick < drive.decided_at[camp] + EARLY_TICKS:
         return False
     lost = game.loss_tick[camp] > drive.decided_at[camp]
     return lost or (ended_tasks(camp, game, plans) & ~drive.ended[camp]) != 0
@@ -68,10 +72,14 @@ def act(
     eta: Rows,
     atlas: Row,
 ) -> None:
-    """Let the camps whose turn it is fill `orders`: bots think first, then tasks become orders."""
-    everybody = game.tick == drive.act_at
+    """Let the camps whose turn it is fill `orders`: bots think first, then tasks become orders.
+
+    It is a camp's turn when a step brought it news, when it has just decided, or when its bot wakes.
+    """
     for camp in range(2):
-        if not (everybody or drive.fresh[camp]):
+        stepped = game.tick == drive.stepped_at
+        news = stepped and has_news(camp, drive, game, pieces, memory, rounds)
+        if not news and not drive.fresh[camp] and game.tick < drive.wake_at[camp]:
             continue
         drive.fresh[camp] = 0
         if drive.seat[camp] != EXTERNAL:
@@ -79,23 +87,18 @@ def act(
                 drive.seat[camp], camp, game, pieces, memory, paths, rounds, orders, plans, brains,
                 rules, cells, los, eta, atlas,
             )  # fmt: skip
+            drive.wake_at[camp] = next_thought(brains[camp], game.tick)
         execute_tasks(camp, game, pieces, memory, paths, rounds, orders, plans, rules, cells, los, eta)
 
 
 @kernel
-def jump(until: int, drive: Row, game: Row, pieces: Rows, rounds: Rows, brains: Rows) -> bool:
+def jump(until: int, drive: Row, game: Row, pieces: Rows, rounds: Rows) -> bool:
     """Without orders: set the clock to the next step that must run, at most to `until`.
 
     Returns:
-        True if the clock moved (to that step, to `until`, or to a tick at which a bot thinks).
+        True if the clock moved (to that step, to `until`, or to a tick at which a bot wakes).
     """
-    target = min(next_due(game, pieces, rounds), until)
-    for camp in range(2):
-        if drive.seat[camp] != EXTERNAL:
-            thought = next_thought(brains[camp], game.tick)
-            if thought <= target:
-                target = thought
-                drive.act_at = thought
+    target = min(next_due(game, pieces, rounds), until, drive.wake_at[0], drive.wake_at[1])
     moved = target > game.tick
     set_tick(game, target, pieces)
     return moved
@@ -122,6 +125,53 @@ def note_due(drive: Row, game: Row, plans: Rows) -> bool:
 
 
 @kernel
+def wants_step(
+    until: int,
+    drive: Row,
+    game: Row,
+    pieces: Rows,
+    memory: Rows,
+    paths: Rows,
+    rounds: Rows,
+    orders: Rows,
+    plans: Rows,
+    brains: Rows,
+    rules: Row,
+    cells: Rows,
+    los: Rows,
+    eta: Rows,
+    atlas: Row,
+) -> bool:
+    """Let the camps act; False if nobody ordered anything and the clock jumped instead, at most to `until`."""
+    act(
+        drive, game, pieces, memory, paths, rounds, orders, plans, brains,
+        rules, cells, los, eta, atlas,
+    )  # fmt: skip
+    return has_orders(orders) or not jump(until, drive, game, pieces, rounds)
+
+
+@kernel
+def make_step(
+    drive: Row,
+    game: Row,
+    pieces: Rows,
+    memory: Rows,
+    paths: Rows,
+    rounds: Rows,
+    orders: Rows,
+    log: Rows,
+    rules: Row,
+    cells: Rows,
+    los: Rows,
+) -> None:
+    """Make one step of the engine and count what was carried out."""
+    note_given(drive, game, orders)
+    process(game, pieces, memory, paths, rounds, orders, log, rules, cells, los)
+    count_done(drive, game, pieces, orders)
+    drive.stepped_at = game.tick
+
+
+@kernel
 def advance_game(
     drive: Row,
     game: Row,
@@ -142,18 +192,13 @@ def advance_game(
     """Play one game until an asked camp is to decide, or to the end."""
     until = next_decision(drive, game)
     while game.over == 0 and game.tick < until:
-        act(
-            drive, game, pieces, memory, paths, rounds, orders, plans, brains,
+        if wants_step(
+            until, drive, game, pieces, memory, paths, rounds, orders, plans, brains,
             rules, cells, los, eta, atlas,
-        )  # fmt: skip
-        if not has_orders(orders) and jump(until, drive, game, pieces, rounds, brains):
-            continue
-        note_given(drive, game, orders)
-        process(game, pieces, memory, paths, rounds, orders, log, rules, cells, los)
-        count_done(drive, game, pieces, orders)
-        drive.act_at = game.tick
-        if note_due(drive, game, plans):
-            return
+        ):  # fmt: skip
+            make_step(drive, game, pieces, memory, paths, rounds, orders, log, rules, cells, los)
+            if note_due(drive, game, plans):
+                return
     note_due(drive, game, plans)
 
 

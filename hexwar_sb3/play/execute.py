@@ -57,7 +57,9 @@ def execute_tasks(
     taken = claimed(first, end, orders)
     for i in range(first, end):
         if orders[i].kind == Action.NULL and on_map(pieces[i]) and (taken >> i) & 1 == 0:
-            partner = order_with_partner(i, allotted, game, pieces, memory, orders, plans, rules, cells)
+            partner = order_with_partner(
+                i, taken, allotted, game, pieces, memory, orders, plans, rules, cells
+            )
             if partner != NO_PIECE:
                 taken |= 1 << partner
     for i in range(first, end):
@@ -131,25 +133,35 @@ def ask_lower(
     plan.asked_at = game.tick
     plan.direction = 0
     if plan.kind != TaskKind.STOP and plan.kind != TaskKind.RECOVER:
-        plan.direction = heuristic_direction(i, game, pieces, memory, plans, rules, cells, los, eta)
+        plan.direction = heuristic_direction(i, pieces, memory, plans, rules, cells, los, eta)
     plan.state = STAYING if plan.direction == 0 else WALKING
 
 
 @kernel
 def order_with_partner(
-    i: int, allotted: Rows, game: Row, pieces: Rows, memory: Rows, orders: Rows, plans: Rows, rules: Row, cells: Rows
+    i: int,
+    taken: int,
+    allotted: Rows,
+    game: Row,
+    pieces: Rows,
+    memory: Rows,
+    orders: Rows,
+    plans: Rows,
+    rules: Row,
+    cells: Rows,
 ) -> int:
     """Guide or board, where that is the task and legal now; the chariot it takes, or NO_PIECE."""
     plan = plans[i]
     if plan.state != STAYING:
         return NO_PIECE
-    if plan.kind == TaskKind.BOARD and orders[plan.target].kind == Action.NULL:
-        given = phi(i, 0, game, pieces, memory, orders, plans, rules, cells)
+    if plan.kind == TaskKind.BOARD:
+        free = orders[plan.target].kind == Action.NULL and (taken >> int(plan.target)) & 1 == 0
+        given = free and phi(i, 0, game, pieces, memory, orders, plans, rules, cells)
         return int(plan.target) if given else NO_PIECE
     if plan.kind != TaskKind.GUIDE:
         return NO_PIECE
     value, target, chariot = best_guided(
-        i, plan.target, allotted, game, pieces, memory, orders, rules, cells
+        i, plan.target, taken, allotted, game, pieces, memory, orders, rules, cells
     )
     if target == NO_PIECE or fires_itself(
         chariot, value, allotted, game, pieces, memory, plans, rules, cells
@@ -163,7 +175,15 @@ def order_with_partner(
 
 @kernel
 def fires_itself(
-    c: int, guided_value: float, allotted: Rows, game: Row, pieces: Rows, memory: Rows, plans: Rows, rules: Row, cells: Rows
+    c: int,
+    guided_value: float,
+    allotted: Rows,
+    game: Row,
+    pieces: Rows,
+    memory: Rows,
+    plans: Rows,
+    rules: Row,
+    cells: Rows,
 ) -> bool:
     """The chariot's own shot is about as good as the one that it would be guided to."""
     if plans[c].hold_fire:
@@ -180,9 +200,10 @@ def order_piece(
     """The one order that serves piece i's task best in this step, if any."""
     piece = pieces[i]
     plan = plans[i]
+    settled = is_settled(piece)
     if may_occupy(i, game, pieces, memory, cells):
         give(i, Action.OCCUPY, NO_PIECE, NO_CELL, game, pieces, orders, rules, cells)
-    elif is_settled(piece) and fire(i, allotted, game, pieces, memory, orders, plans, rules, cells):
+    elif settled and fire(i, allotted, game, pieces, memory, orders, plans, rules, cells):
         return
     elif has_path(piece):
         if not halt(i, allotted, game, pieces, memory, paths, orders, plans, rules, cells):
@@ -191,9 +212,10 @@ def order_piece(
         stays = waits(i, rounds, game, pieces, plans) or is_worth_a_stop(
             i, allotted, game, pieces, memory, plans, rules, cells
         )
-        if stays or not phi(i, plan.direction, game, pieces, memory, orders, plans, rules, cells):
+        moves = not stays and phi(i, plan.direction, game, pieces, memory, orders, plans, rules, cells)
+        if not moves and not settled:
             fire(i, allotted, game, pieces, memory, orders, plans, rules, cells)
-    elif not fire(i, allotted, game, pieces, memory, orders, plans, rules, cells):
+    elif settled or not fire(i, allotted, game, pieces, memory, orders, plans, rules, cells):
         hiding = plan.kind == TaskKind.HIDE or plan.kind == TaskKind.SHADOW
         if plan.state == STAYING and not (hiding and is_awaited(i, game, pieces, plans)):
             phi(i, 0, game, pieces, memory, orders, plans, rules, cells)
@@ -201,20 +223,24 @@ def order_piece(
 
 @kernel
 def fire(
-    i: int, allotted: Rows, game: Row, pieces: Rows, memory: Rows, orders: Rows, plans: Rows, rules: Row, cells: Rows
+    i: int,
+    allotted: Rows,
+    game: Row,
+    pieces: Rows,
+    memory: Rows,
+    orders: Rows,
+    plans: Rows,
+    rules: Row,
+    cells: Rows,
 ) -> bool:
     """The task's own shot, else one of opportunity, if the plan's fire style allows it."""
     plan = plans[i]
     value, target, weapon = 0.0, NO_PIECE, 0
     if plan.kind == TaskKind.ATTACK and plan.state != ENDED:
-        value, target, weapon = best_shot(
-            i, plan.target, False, allotted, game, pieces, memory, rules, cells
-        )
+        value, target, weapon = best_shot(i, plan.target, False, allotted, game, pieces, memory, rules, cells)
     own_target = value > 0.0 and (plan.state == STAYING or value >= plan.fire_value)
     if not own_target and not plan.hold_fire:
-        value, target, weapon = best_shot(
-            i, NO_PIECE, False, allotted, game, pieces, memory, rules, cells
-        )
+        value, target, weapon = best_shot(i, NO_PIECE, False, allotted, game, pieces, memory, rules, cells)
     if not own_target and (plan.hold_fire or target == NO_PIECE or value < plan.fire_value):
         return False
     given = give_shot(i, target, weapon, game, pieces, orders, rules, cells)
@@ -245,7 +271,7 @@ def halt(
     plan = plans[i]
     if not may_turn_back(piece, game.tick):
         return False
-    stops = plan.kind == TaskKind.STOP
+    stops = plan.kind == TaskKind.STOP and plan.state != ENDED
     if piece.waiting and plan.asked_at == game.tick:
         stops = stops or plan.direction != 1 + paths[i, piece.path_pos]
     if game.contact_tick[piece.camp] == game.tick:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import os
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -15,6 +14,7 @@ from numpy.typing import NDArray
 from safetensors import SafetensorError
 
 from hexwar_sb3.errors import ConfigError, PolicyFileError
+from hexwar_sb3.files import replacing
 from hexwar_sb3.play.network import Net, best_tasks
 
 FORMAT, VERSION = "hexwar task policy", 1
@@ -99,7 +99,9 @@ class FrozenPolicy:
         expected = (self.n_pieces, self.n_tasks, self.sizes["obs"], self.sizes["task"])
         found = (*mask.shape[1:], obs["obs"].shape[-1], obs["tasks"].shape[-1])
         if found != expected:
-            raise ConfigError(f"this policy needs observations of (pieces, tasks, features, task features) {expected}, got {found}")
+            raise ConfigError(
+                f"this policy needs observations of (pieces, tasks, features, task features) {expected}, got {found}"
+            )
         n = mask.shape[0] * self.n_pieces
         best, q = np.zeros(n, np.int64), np.zeros((n, self.n_tasks), np.float32)
         rows = np.ascontiguousarray(obs["obs"], np.float32).reshape(n, -1)
@@ -110,7 +112,6 @@ class FrozenPolicy:
     def save(self, folder: str | Path) -> None:
         """Write the folder `config.json` + `weights.safetensors`, each file at once or not at all."""
         folder = Path(folder)
-        folder.mkdir(parents=True, exist_ok=True)
         data = safetensors.numpy.save(dict(self.weights))
         config = {
             "format": FORMAT,
@@ -121,8 +122,9 @@ class FrozenPolicy:
             "weights_sha256": hashlib.sha256(data).hexdigest(),
             "about": self.about,
         }
-        _write_at_once(folder / WEIGHTS_FILE, data)
-        _write_at_once(folder / CONFIG_FILE, json.dumps(config, indent=2).encode())
+        for name, content in ((WEIGHTS_FILE, data), (CONFIG_FILE, json.dumps(config, indent=2).encode())):
+            with replacing(folder / name) as temporary:
+                temporary.write_bytes(content)
 
     @classmethod
     def load(cls, folder: str | Path, rules: str | None = None) -> FrozenPolicy:
@@ -140,7 +142,9 @@ class FrozenPolicy:
         config = _read_config(path)
         trained = config["about"].get("rules")
         if rules is not None and trained != rules:
-            raise PolicyFileError(path, "about.rules", found=f"{trained!r}", expected=f"{rules!r}, the rules of this game")
+            raise PolicyFileError(
+                path, "about.rules", found=f"{trained!r}", expected=f"{rules!r}, the rules of this game"
+            )
         weights = _read_weights(Path(folder) / WEIGHTS_FILE, config)
         return cls(weights, n_pieces=config["n_pieces"], n_tasks=config["n_tasks"], about=config["about"])
 
@@ -171,12 +175,6 @@ def _as_net(weights: Weights) -> Net:
     return Net(**{name.replace(".", "_"): np.ascontiguousarray(weights[name].T) for name in LAYERS})
 
 
-def _write_at_once(path: Path, data: bytes) -> None:
-    temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp")
-    temporary.write_bytes(data)
-    temporary.replace(path)
-
-
 def _read(path: Path, limit: int) -> bytes:
     try:
         size = path.stat().st_size
@@ -195,7 +193,9 @@ def _read_config(path: Path) -> dict[str, Any]:
             raise
         raise PolicyFileError(path, "text", found=str(error), expected="JSON") from error
     if not isinstance(config, dict) or (config.get("format"), config.get("version")) != (FORMAT, VERSION):
-        raise PolicyFileError(path, "format", found="something else", expected=f"{FORMAT!r}, version {VERSION}")
+        raise PolicyFileError(
+            path, "format", found="something else", expected=f"{FORMAT!r}, version {VERSION}"
+        )
     _check_config(path, config)
     return config
 
@@ -205,9 +205,15 @@ def _check_config(path: Path, config: dict[str, Any]) -> None:
     names = {axis for axes in LAYERS.values() for axis in axes}
     if not isinstance(sizes, dict) or set(sizes) != names:
         raise PolicyFileError(path, "sizes", found=repr(sizes), expected=f"the axes {sorted(names)}")
-    for name, value in {**sizes, "n_pieces": config.get("n_pieces"), "n_tasks": config.get("n_tasks")}.items():
+    for name, value in {
+        **sizes,
+        "n_pieces": config.get("n_pieces"),
+        "n_tasks": config.get("n_tasks"),
+    }.items():
         if type(value) is not int or not 1 <= value <= MAX_SIZE:
-            raise PolicyFileError(path, name, found=repr(value), expected=f"a whole number from 1 to {MAX_SIZE}")
+            raise PolicyFileError(
+                path, name, found=repr(value), expected=f"a whole number from 1 to {MAX_SIZE}"
+            )
     about = config.get("about")
     if not isinstance(about, dict) or not all(isinstance(value, str) for value in about.values()):
         raise PolicyFileError(path, "about", found=repr(about), expected="texts by name")
@@ -216,7 +222,9 @@ def _check_config(path: Path, config: dict[str, Any]) -> None:
 def _read_weights(path: Path, config: dict[str, Any]) -> dict[str, NDArray[np.float32]]:
     data = _read(path, MAX_WEIGHTS_BYTES)
     if hashlib.sha256(data).hexdigest() != config.get("weights_sha256"):
-        raise PolicyFileError(path, "sha256", found="other weights", expected="those that config.json was written with")
+        raise PolicyFileError(
+            path, "sha256", found="other weights", expected="those that config.json was written with"
+        )
     try:
         weights = safetensors.numpy.load(data)
     except (SafetensorError, ValueError, KeyError) as error:
@@ -225,5 +233,7 @@ def _read_weights(path: Path, config: dict[str, Any]) -> dict[str, NDArray[np.fl
         raise PolicyFileError(path, "arrays", found=str(sorted(weights)), expected=str(sorted(LAYERS)))
     problem = _why_unusable(weights, config["sizes"])
     if problem:
-        raise PolicyFileError(path, "arrays", found=problem, expected="the shapes of config.json, finite numbers")
+        raise PolicyFileError(
+            path, "arrays", found=problem, expected="the shapes of config.json, finite numbers"
+        )
     return weights

@@ -10,12 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hexwar_sb3.engine.world import load_world
-from hexwar_sb3.errors import ConfigError
 from hexwar_sb3.maps.scenario import Scenario
 from hexwar_sb3.play.arena import Arena, Games, Setup
 from hexwar_sb3.play.player import Player, Seat, make_player
 from hexwar_sb3.play.records import DECISION_TICKS, DRIVE
-from hexwar_sb3.play.seeds import check_seed, game_seed
+from hexwar_sb3.play.seeds import check_seed, check_whole, game_seed
 from hexwar_sb3.rules.enums import Camp
 
 BATCH_GAMES = 64  # played together; no result depends on it
@@ -25,11 +24,16 @@ BATCH_GAMES = 64  # played together; no result depends on it
 class MatchGames:
     """Outcome of every game of a match; a row is a game."""
 
-    margin: NDArray[np.int64]  # red's, eq. (1), points [games]
+    margins: NDArray[np.int64]  # eq. (1), points [games, camp]; with green points they do not sum to 0
     win: NDArray[np.float64]  # 1 red won, 0.5 draw, 0 blue won [games]
     points_held: NDArray[np.int64]  # control points at the end [games, camp]
     ticks: NDArray[np.int64]  # length [games]
     actions: NDArray[np.int64]  # orders carried out [games, camp, Action]
+
+    @property
+    def margin(self) -> NDArray[np.int64]:
+        """Red's margins, points [games]."""
+        return self.margins[:, Camp.RED]
 
 
 def play_games(
@@ -53,8 +57,7 @@ def play_games(
         progress: called with the number of games that have ended, now and then.
     """
     check_seed(seed)
-    if games < 0:
-        raise ConfigError(f"games must be >= 0, got {games}")
+    check_whole("games", games, least=0)
     pair = decision_ticks if isinstance(decision_ticks, tuple) else (decision_ticks, decision_ticks)
     seats = make_player(red), make_player(blue)
     arena = Arena(load_world(scenario), min(games, BATCH_GAMES), Setup(decision_ticks=pair))
@@ -83,7 +86,7 @@ def _play_batch(arena: Arena, which: Games, seats: tuple[Seat, Seat], seeds: lis
 def _empty(games: int) -> MatchGames:
     n_actions = DRIVE["actions"].shape[1]
     return MatchGames(
-        margin=np.zeros(games, np.int64),
+        margins=np.zeros((games, 2), np.int64),
         win=np.zeros(games),
         points_held=np.zeros((games, 2), np.int64),
         ticks=np.zeros(games, np.int64),
@@ -93,9 +96,10 @@ def _empty(games: int) -> MatchGames:
 
 def _record(arena: Arena, which: Games, results: MatchGames, first: int) -> None:
     rows = first + which
-    results.margin[rows] = arena.margins(which, np.full(len(which), Camp.RED))
     results.win[rows] = arena.wins(which, np.full(len(which), Camp.RED))
     results.ticks[rows] = arena.state.games.tick[which]
     results.actions[rows] = arena.drives.actions[which]
+    for camp in (Camp.RED, Camp.BLUE):
+        results.margins[rows, camp] = arena.margins(which, np.full(len(which), camp))
     for b in which:
         results.points_held[first + b] = [arena.points_held(b, camp) for camp in (Camp.RED, Camp.BLUE)]

@@ -42,8 +42,7 @@ def add_layer(out: Rows, inputs: Rows, weight: Rows) -> None:
 def relu(values: Rows) -> None:
     """Set negative values to 0, in place."""
     for i in range(values.size):
-        if values[i] < 0:
-            values[i] = 0
+        values[i] = max(values[i], np.float32(0))
 
 
 @kernel

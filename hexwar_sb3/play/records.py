@@ -8,6 +8,7 @@ from hexwar_sb3.engine.records import MAX_PIECES
 from hexwar_sb3.rules.enums import Action
 
 DECISION_TICKS = 75  # Delta-t of the paper (IV); a setting, not a rule
+EARLY_TICKS = 15  # least time between a decision and an early one
 EXTERNAL = 255  # seat: somebody outside the loop picks this camp's tasks; else a bot's id
 
 DRIVE = np.dtype(
@@ -20,7 +21,9 @@ DRIVE = np.dtype(
         ("fresh", "u1", (2,)),  # [camp] 1: it has picked, and nobody acted on it yet
         ("decided_at", "i2", (2,)),  # [camp] tick of its last decision
         ("ended", "u4", (2,)),  # [camp] bit i: piece i's task had ended before that decision
-        ("act_at", "i2"),  # tick at which both camps look at the game next
+        ("wake_at", "i2", (2,)),  # [camp] tick at which a bot acts even without news
+        ("known", "i8", (2,)),  # [camp] fingerprint of what it knew when it last looked (news.py)
+        ("stepped_at", "i2"),  # tick of the state that the last step made
         ("given", "u1", (MAX_PIECES,)),  # Action given to each piece in the step under way
         ("actions", "i4", (2, len(Action))),  # [camp, Action] orders carried out so far
     ],

@@ -7,15 +7,24 @@ import numpy as np
 from hexwar_sb3.errors import ConfigError
 
 
-def check_seed(seed: int) -> int:
+def check_seed(seed: object) -> int:
     """Return the seed.
 
     Raises:
         ConfigError: it is no integer >= 0.
     """
-    if isinstance(seed, bool) or not isinstance(seed, int | np.integer) or seed < 0:
-        raise ConfigError(f"seed must be an integer >= 0, got {seed!r}")
-    return int(seed)
+    return check_whole("seed", seed, least=0)
+
+
+def check_whole(setting: str, value: object, least: int) -> int:
+    """Return a whole number.
+
+    Raises:
+        ConfigError: it is no integer, or below `least`.
+    """
+    if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < least:
+        raise ConfigError(f"{setting} must be an integer >= {least}, got {value!r}")
+    return int(value)
 
 
 def game_seed(seed: int, episode: int) -> int:

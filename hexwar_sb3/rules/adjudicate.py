@@ -83,5 +83,5 @@ def _target_class(named: TargetClass | str) -> TargetClass:
 
 
 def _check(name: str, value: int, low: int, high: int) -> None:
-    if not low <= value <= high:
+    if value not in range(low, high + 1):
         raise ConfigError(f"{name} must be in {low}..{high}, got {value}")

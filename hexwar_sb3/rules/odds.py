@@ -31,8 +31,9 @@ def fill_odds(record: np.record) -> None:
     record.odds_small[:, 1:] = _combined(level[1:], vehicle)
     record.odds_soldier[1:] = _combined(level[1:], soldier)[0]
     levels = np.arange(record.odds_air.size)
-    for roll, chance in TWO_DICE.items():
-        record.odds_air += np.where(levels >= record.air_kill_level[roll], chance, 0.0)
+    record.odds_air[:] = sum(
+        chance * (levels >= record.air_kill_level[roll]) for roll, chance in TWO_DICE.items()
+    )
 
 
 def _results(table: npt.NDArray[np.int8]) -> Chances:

@@ -1,0 +1,1 @@
+"""Tasks (III-A): task sets, what a shot is worth, features, and phi, eq. (2)."""

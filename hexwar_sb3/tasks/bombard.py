@@ -56,7 +56,9 @@ def landing_value(kind: int, blood: int, mods: int, observed: bool, rules: Row) 
 
 
 @kernel
-def place_mods(kind: int, cell: int, hidden: int, moving: bool, stacked: bool, guns: int, rules: Row, cells: Rows) -> int:
+def place_mods(
+    kind: int, cell: int, hidden: int, moving: bool, stacked: bool, guns: int, rules: Row, cells: Rows
+) -> int:
     """Modifiers of the correction for a piece under a burst."""
     mods = int(rules.burst_armour[rules.armour[kind]]) + int(rules.burst_guns[guns])
     if cells[cell].concealed:

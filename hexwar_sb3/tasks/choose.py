@@ -11,7 +11,8 @@ from hexwar_sb3.tasks.records import ENDED, PLAN, WALKING, TaskKind
 
 FIRE_VALUE = 0.5  # points from which a piece fires at what it sees
 AMBUSH_VALUE = 1.5  # the same for a piece whose task is to stay hidden
-STOP_VALUE = 2.5  # points for which a piece that cannot fire on the move stops
+STOP_VALUE = 2.5  # points for which a piece after an enemy stops, if it cannot fire on the move
+NO_STOP = np.inf  # a piece with a place to go to does not stop for a shot
 
 
 def new_plans(n_games: int, n_pieces: int) -> np.recarray:
@@ -43,7 +44,8 @@ def _begin(plan: Row, kind: int, target: int, cell: int) -> None:
     plan.goal = NO_CELL
     plan.hold_fire = 0
     plan.fire_value = AMBUSH_VALUE if kind == TaskKind.HIDE or kind == TaskKind.SHADOW else FIRE_VALUE
-    plan.stop_value = STOP_VALUE
+    hunts = kind == TaskKind.ATTACK or kind == TaskKind.GUIDE or kind == TaskKind.BOMBARD
+    plan.stop_value = STOP_VALUE if hunts else NO_STOP
 
 
 @kernel

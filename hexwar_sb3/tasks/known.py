@@ -43,6 +43,12 @@ def is_known(known: Row) -> bool:
 
 
 @kernel
+def age(known: Row, tick: int) -> int:
+    """Ticks since an enemy was last seen."""
+    return 0 if known.seen else int(tick) - int(known.tick)
+
+
+@kernel
 def sees_itself(piece: Row, j: int) -> bool:
     """The piece itself sees piece j now."""
     return (int(piece.sees) >> j) & 1 == 1
@@ -72,9 +78,7 @@ def has_line_from(kind: int, cell: int, target_kind: int, target_cell: int, los:
 
 
 @kernel
-def would_see(
-    kind: int, cell: int, target_kind: int, known: Row, rules: Row, cells: Rows, los: Rows
-) -> bool:
+def would_see(kind: int, cell: int, target_kind: int, known: Row, rules: Row, cells: Rows, los: Rows) -> bool:
     """Whether a type of piece in `cell` would see the enemy where it was last seen."""
     apart = cells_apart(cells, cell, known.cell)
     if apart > reach_of_sight(kind, cell, target_kind, known, rules, cells):
@@ -111,17 +115,13 @@ def best_level(
 
 
 @kernel
-def armed_level(
-    piece: Row, cell: int, target_kind: int, target_cell: int, rules: Row, cells: Rows
-) -> int:
+def armed_level(piece: Row, cell: int, target_kind: int, target_cell: int, rules: Row, cells: Rows) -> int:
     """Highest attack level of the weapons that the piece still has rounds for, fired from `cell`."""
     best = 0
     for weapon in range(rules.pool.shape[1]):
         pool = rules.pool[piece.kind, weapon]
         if pool != NO_POOL and piece.ammo[pool] > 0:
-            level = level_from(
-                weapon, piece.kind, piece.blood, cell, target_kind, target_cell, rules, cells
-            )
+            level = level_from(weapon, piece.kind, piece.blood, cell, target_kind, target_cell, rules, cells)
             best = max(best, level)
     return best
 

@@ -7,10 +7,10 @@ from hexwar_sb3.engine.legality import occupy_code, order_code
 from hexwar_sb3.engine.pieces import has_path, hop_progress, in_fight, stands_in
 from hexwar_sb3.engine.records import NO_CELL, NO_PIECE, ROUND_FLYING
 from hexwar_sb3.kernels import Row, Rows, kernel
-from hexwar_sb3.maps.geometry import cells_apart
-from hexwar_sb3.rules.enums import Action, PieceType
+from hexwar_sb3.rules.enums import Action
 from hexwar_sb3.tasks.known import end_piece, first_piece
 from hexwar_sb3.tasks.records import TaskKind
+from hexwar_sb3.tasks.shots import known_in_zone
 
 
 @kernel
@@ -40,9 +40,7 @@ def keep_if_legal(i: int, game: Row, pieces: Rows, orders: Rows, rules: Row, cel
 
 
 @kernel
-def give_move(
-    i: int, direction: int, game: Row, pieces: Rows, orders: Rows, rules: Row, cells: Rows
-) -> bool:
+def give_move(i: int, direction: int, game: Row, pieces: Rows, orders: Rows, rules: Row, cells: Rows) -> bool:
     """One hop in a direction, if it is legal now."""
     orders[i].kind = Action.MOVE
     orders[i].path_len = 1
@@ -80,14 +78,9 @@ def may_turn_back(piece: Row, tick: int) -> bool:
 def may_occupy(i: int, game: Row, pieces: Rows, memory: Rows, cells: Rows) -> bool:
     """Piece i stands on a control point that it can take: no enemy is seen there or beside it."""
     piece = pieces[i]
-    if occupy_code(piece, game, cells) != Code.OK:
+    if occupy_code(piece, game) != Code.OK:
         return False
-    for j in range(first_piece(1 - piece.camp, game), end_piece(1 - piece.camp, game)):
-        known = memory[piece.camp, j]
-        ground = pieces[j].kind != PieceType.AEROCRAFT
-        if known.seen and known.blood > 0 and ground and cells_apart(cells, piece.cell, known.cell) <= 1:
-            return False
-    return True
+    return known_in_zone(piece.camp, piece.cell, game, pieces, memory, cells) == 0
 
 
 @kernel
@@ -140,9 +133,17 @@ def task_action(
 
 @kernel
 def phi(
-    i: int, answer: int, game: Row, pieces: Rows, memory: Rows, orders: Rows, plans: Rows, rules: Row, cells: Rows
+    i: int,
+    answer: int,
+    game: Row,
+    pieces: Rows,
+    memory: Rows,
+    orders: Rows,
+    plans: Rows,
+    rules: Row,
+    cells: Rows,
 ) -> bool:
-    """phi(task, answer), eq. (2): the task's action for 0, else one hop in direction answer - 1.
+    """Order for a task and an answer, eq. (2): the task's action for 0, else one hop in direction answer - 1.
 
     Returns:
         Whether an order was given; what is not legal now is asked for again at the next event.

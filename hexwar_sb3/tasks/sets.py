@@ -26,7 +26,16 @@ _OTHERS = 2  # stop, recover
 
 @kernel
 def list_tasks(
-    camp: int, game: Row, pieces: Rows, memory: Rows, rules: Row, cells: Rows, eta: Rows, spots: Rows, tasks: Rows, mask: Rows
+    camp: int,
+    game: Row,
+    pieces: Rows,
+    memory: Rows,
+    rules: Row,
+    cells: Rows,
+    eta: Rows,
+    spots: Rows,
+    tasks: Rows,
+    mask: Rows,
 ) -> None:
     """Write the task sets of a camp.
 
@@ -174,6 +183,6 @@ def _write(draft: Rows, count: int, tasks: Rows, mask: Rows) -> None:
         task = tasks[row]
         valid = row < count
         mask[row] = 1 if valid else 0
-        task.kind = draft[row, _KIND] if valid else TaskKind.STOP
+        task.kind = draft[row, _KIND] if valid else int(TaskKind.STOP)
         task.target = draft[row, _TARGET] if valid else NO_PIECE
         task.cell = draft[row, _CELL] if valid else NO_CELL

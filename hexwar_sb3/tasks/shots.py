@@ -14,8 +14,8 @@ from hexwar_sb3.engine.records import NEVER, NO_PIECE
 from hexwar_sb3.kernels import Row, Rows, kernel
 from hexwar_sb3.maps.geometry import cells_apart
 from hexwar_sb3.rules.compiled import LEAST_MODIFIER, LEAST_RESULT, NO_POOL
-from hexwar_sb3.rules.enums import Action, Camp, PieceType, Weapon
-from hexwar_sb3.tasks.known import end_piece, first_piece, is_known, level_from, sees_itself
+from hexwar_sb3.rules.enums import Action, PieceType, Weapon
+from hexwar_sb3.tasks.known import end_piece, first_piece, level_from, sees_itself
 
 NO_WEAPON = -1
 
@@ -53,7 +53,14 @@ def chance(
 
 @kernel
 def expected_value(
-    weapon: int, blood: int, level: int, mods: int, target_kind: int, target_blood: int, bonus: bool, rules: Row
+    weapon: int,
+    blood: int,
+    level: int,
+    mods: int,
+    target_kind: int,
+    target_blood: int,
+    bonus: bool,
+    rules: Row,
 ) -> float:
     """Expected points of a shot; with `bonus` also half a unit's value for the chance to destroy."""
     light = SOLDIER_SUPPRESSED if target_kind == PieceType.SOLDIER else VEHICLE_SUPPRESSED
@@ -91,6 +98,18 @@ def known_in(camp: int, cell: int, game: Row, pieces: Rows, memory: Rows) -> int
     for j in range(first_piece(1 - camp, game), end_piece(1 - camp, game)):
         known = memory[camp, j]
         if known.seen and known.cell == cell and known.blood > 0 and pieces[j].kind != PieceType.AEROCRAFT:
+            count += 1
+    return count
+
+
+@kernel
+def known_in_zone(camp: int, cell: int, game: Row, pieces: Rows, memory: Rows, cells: Rows) -> int:
+    """Enemy ground pieces that the camp sees in a cell or beside it: who keeps it from occupying."""
+    count = 0
+    for j in range(first_piece(1 - camp, game), end_piece(1 - camp, game)):
+        known = memory[camp, j]
+        there = known.seen and known.blood > 0 and pieces[j].kind != PieceType.AEROCRAFT
+        if there and cells_apart(cells, cell, known.cell) <= 1:
             count += 1
     return count
 
@@ -212,7 +231,15 @@ def best_shot(
 
 @kernel
 def expect_loss(
-    i: int, j: int, weapon: int, allotted: Rows, game: Row, pieces: Rows, memory: Rows, rules: Row, cells: Rows
+    i: int,
+    j: int,
+    weapon: int,
+    allotted: Rows,
+    game: Row,
+    pieces: Rows,
+    memory: Rows,
+    rules: Row,
+    cells: Rows,
 ) -> None:
     """Allot the median loss of a shot of piece i to enemy j, so that the next shooter knows of it."""
     piece = pieces[i]
@@ -235,24 +262,28 @@ def may_guide(i: int, game: Row, pieces: Rows) -> bool:
 
 
 @kernel
-def may_launch(i: int, c: int, game: Row, pieces: Rows, orders: Rows, rules: Row) -> bool:
-    """Chariot c is ready to launch for guider i, and has no other order in this step."""
+def may_launch(i: int, c: int, game: Row, pieces: Rows, rules: Row) -> bool:
+    """Chariot c is ready to launch for guider i."""
     chariot = pieces[c]
     if chariot.kind != PieceType.CHARIOT or not on_map(chariot) or chariot.cool_ends != NEVER:
         return False
     if pieces[i].kind == PieceType.SOLDIER and pieces[i].home != c:
         return False
-    if not is_settled(chariot) or in_fight(game, chariot) or orders[c].kind != Action.NULL:
+    if not is_settled(chariot) or in_fight(game, chariot):
         return False
     return weapon_ammo(chariot, Weapon.HEAVY, rules) > 0
 
 
 @kernel
 def best_guided(
-    i: int, only: int, allotted: Rows,
+    i: int, only: int, taken: int, allotted: Rows,
     game: Row, pieces: Rows, memory: Rows, orders: Rows, rules: Row, cells: Rows,
 ) -> tuple[float, int, int]:  # fmt: skip
     """The guided shot of greatest value that piece i may order in this step (section 8).
+
+    Args:
+        i: the guider; `only` and `allotted` as in `best_shot`.
+        taken: bits of the chariots that another order of this step has claimed.
 
     Returns:
         Value in points (0: none), target and launching chariot (NO_PIECE).
@@ -262,7 +293,8 @@ def best_guided(
         return best, target, launcher
     camp = pieces[i].camp
     for c in range(first_piece(camp, game), end_piece(camp, game)):
-        if not may_launch(i, c, game, pieces, orders, rules):
+        free = (taken >> c) & 1 == 0 and orders[c].kind == Action.NULL
+        if not free or not may_launch(i, c, game, pieces, rules):
             continue
         for j in range(first_piece(1 - camp, game), end_piece(1 - camp, game)):
             vehicle = pieces[j].kind == PieceType.TANK or pieces[j].kind == PieceType.CHARIOT

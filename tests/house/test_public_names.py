@@ -9,7 +9,23 @@ import pytest
 
 import hexwar_sb3 as hx
 
-PROMISED = ["Game", "Move", "Shoot", "Replay", "FrozenPolicy", "QMIX", "JointActionEnv", "load_map", "load_scenario", "make_vec_env", "play_match", "rules", "Engine", "SideView", "HexWarError"]
+PROMISED = [
+    "Game",
+    "Move",
+    "Shoot",
+    "Replay",
+    "FrozenPolicy",
+    "QMIX",
+    "JointActionEnv",
+    "load_map",
+    "load_scenario",
+    "make_vec_env",
+    "play_match",
+    "rules",
+    "Engine",
+    "SideView",
+    "HexWarError",
+]
 
 
 @pytest.mark.parametrize("name", PROMISED)

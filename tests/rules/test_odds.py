@@ -24,7 +24,9 @@ few = settings(max_examples=12, deadline=None, derandomize=True)
 ODDS = default_rules().compiled()[0]
 
 
-def counted(target: str, level: int, blood: int, armour: int, mods: int, *, small: bool = False) -> list[float]:
+def counted(
+    target: str, level: int, blood: int, armour: int, mods: int, *, small: bool = False
+) -> list[float]:
     """Chances of results -1..5 (5: or more) by throwing every throw."""
     second = DIE if target == "soldier" else TWO_DICE
     throws = list(product(TWO_DICE, second))
@@ -72,8 +74,11 @@ def test_the_chance_against_an_aerocraft_is_that_of_all_throws(level: int) -> No
 
 @pytest.mark.parametrize(
     ("level", "blood", "armour", "mods", "losses"),
-    [(8, 3, 2, 0, 1.98), (8, 3, 3, 0, 1.85), (8, 3, 4, 0, 1.44), (8, 3, 2, -4, 1.53), (8, 3, 3, -4, 1.31)]
-    + [(8, 3, 4, -4, 0.59), (5, 3, 4, 0, 0.86), (10, 1, 4, 0, 1.02)],
+    [
+        *[(8, 3, 2, 0, 1.98), (8, 3, 3, 0, 1.85), (8, 3, 4, 0, 1.44)],
+        *[(8, 3, 2, -4, 1.53), (8, 3, 3, -4, 1.31), (8, 3, 4, -4, 0.59)],
+        *[(5, 3, 4, 0, 0.86), (10, 1, 4, 0, 1.02)],
+    ],
 )
 def test_a_shot_is_expected_to_destroy_what_the_rule_book_says(
     level: int, blood: int, armour: int, mods: int, losses: float

@@ -27,7 +27,7 @@ def test_numbers_do_not_change_without_a_new_version(rules: RuleSet) -> None:
 def with_one_number_changed(rules: RuleSet) -> Iterator[RuleSet]:
     """Every number by itself."""
     for number in rules.numbers:
-        yield rules.with_numbers(**{number.name: number.value // 2})
+        yield rules.with_numbers(**{number.name: number.value + (1 if number.value < 0 else -1)})
 
 
 def with_one_entry_changed(rules: RuleSet) -> Iterator[RuleSet]:
@@ -54,7 +54,8 @@ def with_one_piece_changed(rules: RuleSet) -> Iterator[RuleSet]:
 def with_one_attack_changed(rules: RuleSet) -> Iterator[RuleSet]:
     """Every attack row by its last level."""
     for row in rules.attacks:
-        levels = (*row.levels[:-1], (*row.levels[-1][:-1], 9))
+        *before, last = row.levels[-1]
+        levels = (*row.levels[:-1], (*before, last + 1))
         yield rules.with_rows(replace(row, levels=levels))
 
 
@@ -68,8 +69,13 @@ def with_one_sight_changed(rules: RuleSet) -> Iterator[RuleSet]:
 
 @pytest.mark.parametrize(
     "neighbours",
-    [with_one_number_changed, with_one_entry_changed, with_one_piece_changed, with_one_attack_changed]
-    + [with_one_sight_changed],
+    [
+        with_one_number_changed,
+        with_one_entry_changed,
+        with_one_piece_changed,
+        with_one_attack_changed,
+        with_one_sight_changed,
+    ],
 )
 def test_every_single_change_gives_another_hash_and_another_record(
     neighbours: Callable[[RuleSet], Iterator[RuleSet]], rules: RuleSet
@@ -78,7 +84,7 @@ def test_every_single_change_gives_another_hash_and_another_record(
     record = rules.compiled().tobytes()
 
     assert len({other.hash for other in others} | {rules.hash}) == len(others) + 1
-    assert all(other.compiled().tobytes() != record for other in others if other.weapons == rules.weapons)
+    assert all(other.compiled().tobytes() != record for other in others)
 
 
 def test_the_hash_does_not_depend_on_words(rules: RuleSet) -> None:
@@ -119,27 +125,27 @@ def test_an_unknown_profile_or_rule_is_refused_with_the_nearest_name(rules: Rule
         rules.with_aerocraft("helo")
     with pytest.raises(UnknownNameError, match="did you mean 'stop_ticks'"):
         rules.number("stop_tick")
-    with pytest.raises(ConfigError, match="no row .*flood_ticks"):
+    with pytest.raises(ConfigError, match=r"no row .*flood_ticks"):
         rules.with_rows(Number("flood_ticks", 3, "ticks", "hearsay"))
 
 
 def test_a_missing_row_is_refused_by_name(rules: RuleSet) -> None:
     with pytest.raises(ConfigError, match="piece rows: found TANK, CHARIOT, SOLDIER; expected"):
         replace(rules, pieces=rules.pieces[:-1])
-    with pytest.raises(ConfigError, match="weapon rows: .*MORTAR"):
+    with pytest.raises(ConfigError, match=r"weapon rows: .*MORTAR"):
         replace(rules, weapons=rules.weapons[:-1])
     with pytest.raises(ConfigError, match="'stop_ticks': found no row"):
-        replace(rules, numbers=[row for row in rules.numbers if row.name != "stop_ticks"])
+        replace(rules, numbers=tuple(row for row in rules.numbers if row.name != "stop_ticks"))
     with pytest.raises(ConfigError, match="'burst_guns': found no row"):
         replace(rules, tables=rules.tables[:-1])
     with pytest.raises(ConfigError, match="attack rows of ROCKET"):
-        replace(rules, attacks=[row for row in rules.attacks if row.weapon != Weapon.ROCKET])
+        replace(rules, attacks=tuple(row for row in rules.attacks if row.weapon != Weapon.ROCKET))
 
 
 def test_a_row_given_twice_is_refused(rules: RuleSet) -> None:
     with pytest.raises(ConfigError, match="stop_ticks: found two rows"):
         replace(rules, numbers=(*rules.numbers, Number("stop_ticks", 75, "ticks", "hearsay")))
-    with pytest.raises(ConfigError, match="attack row .*: found two rows"):
+    with pytest.raises(ConfigError, match=r"attack row .*: found two rows"):
         replace(rules, attacks=(*rules.attacks, rules.attacks[0]))
 
 

@@ -98,8 +98,12 @@ def test_five_blood_shoots_at_soldiers_like_four(rules: RuleSet) -> None:
 
 @pytest.mark.parametrize(
     ("kind", "value", "blood", "armour", "base_hop", "moving_fire"),
-    [("TANK", 10, 3, 4, 20, 1), ("CHARIOT", 7, 3, 2, 20, 0), ("SOLDIER", 4, 3, 0, 144, 0)]
-    + [("AEROCRAFT", 8, 1, 0, 8, 0)],
+    [
+        ("TANK", 10, 3, 4, 20, 1),
+        ("CHARIOT", 7, 3, 2, 20, 0),
+        ("SOLDIER", 4, 3, 0, 144, 0),
+        ("AEROCRAFT", 8, 1, 0, 8, 0),
+    ],
 )
 def test_a_piece_is_as_in_the_table_of_pieces(
     kind: str, value: int, blood: int, armour: int, base_hop: int, moving_fire: int, rules: RuleSet
@@ -176,8 +180,14 @@ def test_an_aerocraft_sees_and_is_seen_by_its_profile(
 
 def test_the_spare_guns_of_indirect_fire_are_kept() -> None:
     """Rule book, section 9: medium and heavy columns."""
-    assert BURST_GUNS["medium"].cells == ((1, 0, -1, -1, -1, 0, -1, -1, 0, 0, 0), (3, 2, 1, 1, 1, 0, 0, 0, 2, 1, 1))
-    assert BURST_GUNS["heavy"].cells == ((1, 1, 0, -1, 0, 0, -1, -1, 0, 0, 1), (3, 2, 2, 1, 1, 0, 1, 0, 2, 1, 2))
+    assert BURST_GUNS["medium"].cells == (
+        (1, 0, -1, -1, -1, 0, -1, -1, 0, 0, 0),
+        (3, 2, 1, 1, 1, 0, 0, 0, 2, 1, 1),
+    )
+    assert BURST_GUNS["heavy"].cells == (
+        (1, 1, 0, -1, 0, 0, -1, -1, 0, 0, 1),
+        (3, 2, 2, 1, 1, 0, 1, 0, 2, 1, 2),
+    )
 
 
 def test_every_assumption_that_a_table_names_is_written_down(rules: RuleSet) -> None:

@@ -1,0 +1,137 @@
+"""Checkpoints: everything that a run needs to go on as if it had never been broken off.
+
+One file of arrays (`.npz`, no pickle): the model zip with networks, targets, optimiser and counters; the
+replay; random states; the running games, where the env has `snapshot()` and `restore()`. It is taken at a
+vector-step boundary, that is in a callback's `on_rollout_start`: SB3 calls `on_step` before the step is stored.
+"""
+
+from __future__ import annotations
+
+import io
+import json
+import zipfile
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, cast
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from stable_baselines3.common.vec_env import VecEnv, VecEnvWrapper, VecMonitor
+
+from hexwar_sb3.algorithms.qmix import QMIX
+from hexwar_sb3.errors import CheckpointError
+from hexwar_sb3.files import replacing
+
+FORMAT = "hexwar checkpoint 1"
+MONITOR_SUMS = ("episode_returns", "episode_lengths")
+Arrays = dict[str, NDArray[Any]]
+
+
+def save_checkpoint(model: QMIX, path: str | Path) -> None:
+    """Write a checkpoint, at once or not at all."""
+    zipped = io.BytesIO()
+    model.save(zipped)
+    arrays = {
+        "format": np.array(FORMAT),
+        "model": np.frombuffer(zipped.getvalue(), np.uint8),
+        "torch_random": torch.get_rng_state().numpy(),
+        "random": np.array(json.dumps(_random_states(model))),
+        "exploring": model.explorer.exploring,
+        "current": model.current,
+        **_under("replay", model.replay_buffer.snapshot()),
+        **_under("last_obs", cast("Arrays", model._last_obs or {})),  # noqa: SLF001
+        **_under("env", _env_snapshot(model.env)),
+    }
+    with replacing(Path(path)) as temporary, temporary.open("wb") as file:
+        np.savez(file, **arrays)  # type: ignore[arg-type]
+
+
+def load_checkpoint(path: str | Path, env: VecEnv, algorithm: type[QMIX] = QMIX, **kwargs: Any) -> QMIX:
+    """Read a checkpoint, and put the env where it was.
+
+    Go on with `model.learn(total - model.num_timesteps, reset_num_timesteps=False)`: on a CPU the weights are
+    those of an unbroken run, if the env has `snapshot()` and `restore()`; else its games start anew.
+
+    Args:
+        path: of the checkpoint.
+        env: like the one that the run had, with as many games.
+        algorithm: class of the model.
+        kwargs: further arguments of `algorithm.load`.
+
+    Raises:
+        CheckpointError: it is broken, not a checkpoint, or of another number of games.
+        ConfigError: its sizes are not the env's.
+    """
+    arrays = _read(Path(path))
+    if len(arrays["exploring"]) != env.num_envs:
+        found = f"{len(arrays['exploring'])} games"
+        raise CheckpointError(path, "env", found=found, expected=f"{env.num_envs}, as the env has")
+    model = algorithm.load(io.BytesIO(arrays["model"].tobytes()), env=env, **kwargs)
+    model.replay_buffer.restore(_part("replay", arrays))
+    model.explorer.exploring, model.current = arrays["exploring"], arrays["current"]
+    games = _part("env", arrays)
+    if games:
+        _restore_env(env, games)
+        model._last_obs = _part("last_obs", arrays)  # noqa: SLF001
+    torch.set_rng_state(torch.from_numpy(arrays["torch_random"]))
+    _set_random_states(model, json.loads(str(arrays["random"])))
+    return model
+
+
+def _random_states(model: QMIX) -> dict[str, Any]:
+    """States of our generator and of numpy's global one, which SB3 uses."""
+    name, keys, position, has_gauss, gauss = np.random.get_state()  # noqa: NPY002
+    return {
+        "ours": model.rng.bit_generator.state,
+        "numpy": [name, np.asarray(keys).tolist(), position, has_gauss, gauss],
+    }
+
+
+def _set_random_states(model: QMIX, states: dict[str, Any]) -> None:
+    model.rng.bit_generator.state = states["ours"]
+    np.random.set_state(tuple(states["numpy"]))  # noqa: NPY002
+
+
+def _env_snapshot(env: VecEnv | None) -> Arrays:
+    """Snapshot of the env and the sums of its monitor; nothing if it cannot give one."""
+    if env is None or not hasattr(env.unwrapped, "snapshot"):
+        return {}
+    sums = {f"monitor_{name}": getattr(monitor, name) for monitor in _monitors(env) for name in MONITOR_SUMS}
+    return {**sums, **_under("games", env.unwrapped.snapshot())}
+
+
+def _restore_env(env: VecEnv, arrays: Arrays) -> None:
+    for monitor in _monitors(env):
+        for name in MONITOR_SUMS:
+            setattr(monitor, name, arrays[f"monitor_{name}"].copy())
+    env.unwrapped.restore(_part("games", arrays))  # type: ignore[attr-defined]
+
+
+def _monitors(env: VecEnv) -> list[VecMonitor]:
+    """The env's VecMonitor, if it has one."""
+    while isinstance(env, VecEnvWrapper):
+        if isinstance(env, VecMonitor):
+            return [env]
+        env = env.venv
+    return []
+
+
+def _read(path: Path) -> Arrays:
+    try:
+        with np.load(path, allow_pickle=False) as file:
+            arrays = {name: file[name] for name in file.files}
+    except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile) as error:
+        raise CheckpointError(path, "file", found=str(error), expected="a checkpoint") from error
+    if str(arrays.get("format")) != FORMAT:
+        raise CheckpointError(path, "format", found=str(arrays.get("format")), expected=FORMAT)
+    return arrays
+
+
+def _under(prefix: str, arrays: Mapping[str, NDArray[Any]]) -> Arrays:
+    return {f"{prefix}/{name}": array for name, array in arrays.items()}
+
+
+def _part(prefix: str, arrays: Arrays) -> Arrays:
+    start = f"{prefix}/"
+    return {name.removeprefix(start): array for name, array in arrays.items() if name.startswith(start)}

@@ -1,0 +1,118 @@
+"""One update of agent network and mixer: loss, gradient step, targets (III-C, "Cooperative Training")."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import torch
+from jaxtyping import Float
+from stable_baselines3.common.utils import polyak_update
+from torch import Tensor, nn
+
+from hexwar_sb3.algorithms.replay import Batch, Situation
+from hexwar_sb3.algorithms.td_targets import lambda_returns, qmix_target
+from hexwar_sb3.errors import ConfigError, TrainingError, UnknownNameError
+from hexwar_sb3.policies.task_policy import TaskPolicy
+
+LOSSES = {"huber": nn.functional.smooth_l1_loss, "squared": nn.functional.mse_loss}
+
+
+@dataclass(frozen=True, kw_only=True)
+class TDLearner:
+    """Temporal-difference learning of the mixed value.
+
+    Args:
+        policy: networks, targets, optimiser.
+        loss: "huber" or "squared".
+        double_q: the online network picks the next tasks, the target network values them.
+        reward_scale: points that count as 1.
+        td_lambda: λ of λ-returns over windows; None takes the batch's n-step returns.
+        window: steps of a window.
+        max_grad_norm: gradients are clipped to it.
+        tau: share of the online networks that goes into the targets.
+        target_interval: updates between two changes of the targets.
+    """
+
+    policy: TaskPolicy
+    loss: str
+    double_q: bool
+    reward_scale: float
+    td_lambda: float | None
+    window: int
+    max_grad_norm: float
+    tau: float
+    target_interval: int
+
+    def __post_init__(self) -> None:
+        """Check the settings.
+
+        Raises:
+            UnknownNameError: there is no such loss.
+            ConfigError: a number is out of its range.
+        """
+        if self.loss not in LOSSES:
+            raise UnknownNameError("loss", self.loss, LOSSES)
+        if self.reward_scale <= 0 or self.window < 1 or not 0.0 < self.tau <= 1.0:
+            raise ConfigError(
+                "reward_scale must be above 0, n_steps at least 1, tau in (0, 1];"
+                f" got {self.reward_scale}, {self.window}, {self.tau}"
+            )
+        if self.td_lambda is not None and not 0.0 <= self.td_lambda <= 1.0:
+            raise ConfigError(f"td_lambda must be in [0, 1], got {self.td_lambda}")
+
+    def q_total(self, batch: Batch) -> Float[Tensor, "batch value"]:
+        """Mixed value of the tasks that were played (a value a piece without a mixer), in scaled points."""
+        now = batch.now
+        agent_q = self.policy.agent.q_chosen(now.sets, batch.tasks).view_as(now.alive)
+        return self.policy.mixer(agent_q, now.state, now.alive)
+
+    @torch.no_grad()
+    def next_value(self, then: Situation) -> Float[Tensor, "batch value"]:
+        """Target networks' value of the greedy valid tasks, in scaled points."""
+        policy = self.policy
+        chooser = policy.agent if self.double_q else policy.agent_target
+        best = then.sets.best(chooser.q_values(then.sets))
+        agent_q = policy.agent_target.q_chosen(then.sets, best).view_as(then.alive)
+        return policy.mixer_target(agent_q, then.state, then.alive)
+
+    def target(self, batch: Batch) -> Float[Tensor, "batch value"]:
+        """What the mixed value should be: `qmix_target`, or λ-returns if asked for."""
+        reward, next_value = batch.reward / self.reward_scale, self.next_value(batch.then)
+        if self.td_lambda is None:
+            return qmix_target(reward, batch.terminated, next_value, batch.discount)
+        return self._lambda_target(reward, next_value, batch, self.td_lambda)
+
+    def _lambda_target(self, reward: Tensor, next_value: Tensor, batch: Batch, lambda_: float) -> Tensor:
+        """λ-returns of the windows, in the batch's flat order."""
+        table = (-1, self.window)
+        target = lambda_returns(
+            reward.view(table),
+            batch.discount.view(table),
+            batch.terminated.view(table),
+            next_value.view(*table, next_value.shape[1]),
+            batch.inside.view(table),
+            lambda_,
+        )
+        return target.view_as(next_value)
+
+    def mean_loss(self, batch: Batch, q_total: Tensor, target: Tensor) -> Float[Tensor, ""]:
+        """Loss of the living, inside their episodes."""
+        weight = self.policy.mixer.weights(batch.now.alive) * batch.inside.unsqueeze(1)
+        return (weight * LOSSES[self.loss](q_total, target, reduction="none")).sum() / weight.sum()
+
+    def step(self, number: int) -> None:
+        """Change the online networks by the gradient, and the targets when it is their turn.
+
+        Raises:
+            TrainingError: the gradient is not finite; the networks stay as they are.
+        """
+        policy = self.policy
+        norm = nn.utils.clip_grad_norm_(policy.trained, self.max_grad_norm)
+        if not torch.isfinite(norm):
+            raise TrainingError(
+                f"update {number}: the gradient's norm is {norm.item()}; the weights are those before it."
+                " Lower the learning rate, or look for rewards or observations that are not finite"
+            )
+        policy.optimizer.step()
+        if number % self.target_interval == 0:
+            polyak_update(policy.trained, policy.targets, self.tau)

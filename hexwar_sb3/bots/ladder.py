@@ -1,0 +1,85 @@
+"""The simpler players: constant plans, "nearest", "defender". They think in tasks, once every thought."""
+
+from __future__ import annotations
+
+from hexwar_sb3.bots.registry import Bot
+from hexwar_sb3.engine.pieces import on_map
+from hexwar_sb3.engine.records import NO_CELL, NO_PIECE
+from hexwar_sb3.kernels import Row, Rows, kernel
+from hexwar_sb3.maps.geometry import cells_apart
+from hexwar_sb3.rules.enums import PieceType
+from hexwar_sb3.tasks.choose import assign
+from hexwar_sb3.tasks.known import can_hurt, end_piece, first_piece, is_known
+from hexwar_sb3.tasks.records import TaskKind
+from hexwar_sb3.tasks.travel import UNREACHABLE, travel_ticks
+
+
+@kernel
+def climb(
+    bot: int, camp: int, game: Row, pieces: Rows, memory: Rows, plans: Rows, rules: Row, cells: Rows, eta: Rows, atlas: Row
+) -> None:
+    """Give every piece of a simple player its task."""
+    first = first_piece(camp, game)
+    for i in range(first, end_piece(camp, game)):
+        if not on_map(pieces[i]):
+            continue
+        if bot == Bot.NEAREST or bot == Bot.DEFENDER:
+            cell = nearest_point(i, bot == Bot.DEFENDER, camp, game, pieces, rules, cells, eta)
+        else:
+            cell = planned_point(bot, i - first, game, pieces[i], atlas)
+        if cell == NO_CELL:
+            hunt(i, camp, game, pieces, memory, plans, rules, cells, atlas)
+        elif pieces[i].passenger != NO_PIECE and pieces[i].cell == cell:
+            assign(plans[i], TaskKind.DROP, NO_PIECE, cell, game.tick)
+        else:
+            assign(plans[i], TaskKind.HOLD, NO_PIECE, cell, game.tick)
+
+
+@kernel
+def planned_point(bot: int, slot: int, game: Row, piece: Row, atlas: Row) -> int:
+    """Cell of the point that a constant plan sends a piece to; NO_CELL: it hunts."""
+    if game.n_points == 0:
+        return NO_CELL
+    rank = 0
+    if bot == Bot.HALF_HALF:
+        rank = slot % 2
+    elif bot == Bot.TWO_HOLD:
+        if piece.kind == PieceType.TANK or piece.kind == PieceType.AEROCRAFT:
+            return NO_CELL
+        rank = slot % 2
+    return int(game.point_cell[atlas.rank[min(rank, game.n_points - 1)]])
+
+
+@kernel
+def nearest_point(
+    i: int, keeps: bool, camp: int, game: Row, pieces: Rows, rules: Row, cells: Rows, eta: Rows
+) -> int:
+    """Cell of the control point that is quickest to reach; a defender's own ones count, else only foreign ones."""
+    best, least = NO_CELL, UNREACHABLE
+    piece = pieces[i]
+    for k in range(game.n_points):
+        if game.point_owner[k] == camp and not keeps:
+            continue
+        cell = int(game.point_cell[k])
+        ticks = travel_ticks(piece.kind, piece.cell, cell, rules, cells, eta)
+        if ticks < least:
+            best, least = cell, ticks
+    return best
+
+
+@kernel
+def hunt(
+    i: int, camp: int, game: Row, pieces: Rows, memory: Rows, plans: Rows, rules: Row, cells: Rows, atlas: Row
+) -> None:
+    """Attack the nearest known enemy that the piece can hurt; with none known, go to the main point."""
+    prey, least = NO_PIECE, cells.size
+    for j in range(first_piece(1 - camp, game), end_piece(1 - camp, game)):
+        if not is_known(memory[camp, j]) or not can_hurt(pieces[i], pieces[j].kind, rules):
+            continue
+        apart = cells_apart(cells, pieces[i].cell, memory[camp, j].cell)
+        if apart < least:
+            prey, least = j, apart
+    if prey != NO_PIECE:
+        assign(plans[i], TaskKind.ATTACK, prey, NO_CELL, game.tick)
+    elif game.n_points > 0:
+        assign(plans[i], TaskKind.HOLD, NO_PIECE, game.point_cell[atlas.rank[0]], game.tick)

@@ -1,0 +1,70 @@
+"""Where the aerocraft flies: to what it can shoot or guide at, out of the way of what shoots it down."""
+
+from __future__ import annotations
+
+from hexwar_sb3.bots.atlas import cell_at
+from hexwar_sb3.bots.weigh import gain_at, threat_at
+from hexwar_sb3.engine.records import NO_CELL, NO_PIECE
+from hexwar_sb3.kernels import Row, Rows, kernel
+from hexwar_sb3.maps.geometry import cells_apart
+from hexwar_sb3.rules.enums import PieceType
+from hexwar_sb3.tasks.known import end_piece, first_piece
+
+
+@kernel
+def scout(
+    style: Row, i: int, camp: int, game: Row, pieces: Rows, memory: Rows, brain: Row,
+    rules: Row, cells: Rows, los: Rows, atlas: Row,
+) -> int:  # fmt: skip
+    """Cell for the aerocraft: around its prey if there is one, else above the point that it works for."""
+    prey = air_prey(i, camp, game, pieces, memory, brain, rules, cells, atlas)
+    around = (
+        int(memory[camp, prey].cell)
+        if prey != NO_PIECE
+        else picket(style, i, camp, game, pieces, brain, cells, atlas)
+    )
+    best, best_score = int(pieces[i].cell), -1e9
+    for n in range(atlas.around.shape[0]):
+        cell = cell_at(around, atlas.around[n, 0], atlas.around[n, 1], camp, cells, atlas)
+        if cell == NO_CELL:
+            continue
+        score = style.gain_weight * gain_at(
+            PieceType.AEROCRAFT, cell, camp, game, pieces, memory, brain, rules, cells, los, atlas
+        )
+        score -= style.threat_weight * threat_at(
+            PieceType.AEROCRAFT, cell, camp, game, pieces, memory, brain, rules, cells, los, atlas
+        )
+        score -= cells_apart(cells, cell, pieces[i].cell) * atlas.config.flight_cost
+        if prey == NO_PIECE:
+            score -= cells_apart(cells, cell, around)
+        if score > best_score:
+            best, best_score = cell, score
+    return best
+
+
+@kernel
+def air_prey(
+    i: int, camp: int, game: Row, pieces: Rows, memory: Rows, brain: Row, rules: Row, cells: Rows, atlas: Row
+) -> int:
+    """Known enemy vehicle that is worth most for the way to it; NO_PIECE."""
+    best, prey = 0.0, NO_PIECE
+    for j in range(first_piece(1 - camp, game), end_piece(1 - camp, game)):
+        kind = pieces[j].kind
+        if brain.trust[j] <= 0.0 or kind == PieceType.AEROCRAFT or kind == PieceType.SOLDIER:
+            continue
+        ticks = rules.base_hop[PieceType.AEROCRAFT] * cells_apart(cells, pieces[i].cell, memory[camp, j].cell)
+        value = brain.trust[j] * rules.value[kind] / (1.0 + ticks / atlas.config.hunt_ticks)
+        if value > best:
+            best, prey = value, j
+    return prey
+
+
+@kernel
+def picket(
+    style: Row, i: int, camp: int, game: Row, pieces: Rows, brain: Row, cells: Rows, atlas: Row
+) -> int:
+    """Where the aerocraft waits for prey: above its point, or between it and the enemy's start."""
+    k = brain.point[i - first_piece(camp, game)]
+    if game.n_points == 0:
+        return int(pieces[i].cell)
+    return int(game.point_cell[k])

@@ -1,0 +1,76 @@
+"""`hexwar evaluate` and `hexwar match`: figures with intervals."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import tyro
+
+from hexwar_sb3.commands.output import COUNTS, panel_table, print_json, result_cells, table
+from hexwar_sb3.commands.settings import Games, Json, ScenarioName, Seed
+
+
+@dataclass(frozen=True, kw_only=True)
+class Evaluate:
+    """Measure a player against a panel of opponents, in both colours, beside constant plans."""
+
+    player: tyro.conf.Positional[str]  # a run folder, a policy folder, or a bot's name
+    opponents: tuple[str, ...] = ("MA1", "MA2")  # bots' names or folders
+    scenario: ScenarioName = "plain"
+    side: Literal["red", "blue", "both"] = "both"  # camps that the player takes
+    games: Games = 2000
+    seed: Seed = 0
+    constant_plans: bool = True  # also measure the players that follow one fixed plan
+    json: Json = False
+
+    def run(self) -> int:
+        """Play, then print the table."""
+        from hexwar_sb3.evaluation.matches import player_name
+        from hexwar_sb3.evaluation.panel import CAMPS, CONSTANT_PLANS, play_panel
+
+        camps = CAMPS if self.side == "both" else (self.side,)
+        players = [self.player, *(CONSTANT_PLANS if self.constant_plans else ())]
+        panels = [
+            play_panel(
+                player,
+                self.opponents,
+                name=player_name(player),
+                games=self.games,
+                scenario=self.scenario,
+                seed=self.seed,
+                camps=camps,
+            )
+            for player in players
+        ]
+        rows = [row for panel in panels for row in panel.summary()]
+        if self.json:
+            print_json({"scenario": self.scenario, "seed": self.seed, "rows": rows})
+        else:
+            print(panel_table(rows))
+        return 0
+
+
+@dataclass(frozen=True, kw_only=True)
+class Match:
+    """Play one pairing many times."""
+
+    red: tyro.conf.Positional[str]  # a bot's name, a run folder or a policy folder
+    blue: tyro.conf.Positional[str]  # likewise
+    scenario: ScenarioName = "plain"
+    games: Games = 2000
+    seed: Seed = 0
+    json: Json = False
+
+    def run(self) -> int:
+        """Play, then print what both camps reached."""
+        from hexwar_sb3.evaluation.matches import play_match
+
+        match = play_match(self.red, self.blue, games=self.games, scenario=self.scenario, seed=self.seed)
+        summary = match.summary()
+        if self.json:
+            print_json(summary)
+        else:
+            rows = [[camp, summary[camp]["player"], *result_cells(summary[camp])] for camp in ("red", "blue")]
+            print(table(("camp", "player", *COUNTS), rows))
+        return 0

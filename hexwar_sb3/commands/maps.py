@@ -1,0 +1,79 @@
+"""`hexwar maps`: the maps there are, their pictures, and new ones."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import tyro
+
+from hexwar_sb3.commands.output import print_json, table
+from hexwar_sb3.commands.settings import Json
+from hexwar_sb3.errors import ConfigError
+
+HEADS = ("map", "cells", "relief, m", "concealed", "slushy", "paved", "pieces a side", "points", "hash")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Maps:
+    """List maps, draw them, or make a new one from a seed."""
+
+    names: tyro.conf.Positional[tuple[str, ...]] = ()  # names or scenario files; none: all built-in ones
+    output: Path | None = None  # folder that gets a picture of each (NAME.png)
+    new: str | None = None  # name of a new map and scenario, written to the folder --output
+    like: str = "plain"  # built-in map whose plan the new one follows
+    seed: int = 0  # of the new map
+    json: Json = False
+
+    def run(self) -> int:
+        """Print the list, and write what was asked for."""
+        from hexwar_sb3.maps.files import builtin_names, load_scenario
+        from hexwar_sb3.maps.picture import picture
+
+        names = (str(self._make()),) if self.new else self.names or tuple(builtin_names())
+        scenarios = [load_scenario(name) for name in names]
+        rows = [describe(scenario) for scenario in scenarios]
+        if self.json:
+            print_json({"maps": rows})
+        else:
+            print(table(HEADS, [[str(value) for value in row.values()] for row in rows]))
+        if self.output is not None:
+            self.output.mkdir(parents=True, exist_ok=True)
+            for scenario in scenarios:
+                picture(scenario.hexmap, scenario).savefig(self.output / f"{scenario.name}.png", dpi=110)
+        return 0
+
+    def _make(self) -> Path:
+        """Write a new map and its scenario; return the scenario's path."""
+        from hexwar_sb3.errors import UnknownNameError
+        from hexwar_sb3.maps.files import save_map, save_scenario
+        from hexwar_sb3.maps.generator import PLANS, generate, standard_scenario
+
+        if self.output is None:
+            raise ConfigError("--new needs --output, the folder for the new files")
+        if self.like not in PLANS:
+            raise UnknownNameError("map", self.like, PLANS)
+        hexmap = generate(replace(PLANS[self.like], name=str(self.new), seed=self.seed))
+        map_file, scenario_file = (self.output / f"{self.new}.{kind}.json" for kind in ("map", "scenario"))
+        save_map(hexmap, map_file)
+        save_scenario(standard_scenario(hexmap), scenario_file, map_name=map_file.name)
+        return scenario_file
+
+
+def describe(scenario: Any) -> dict[str, Any]:
+    """One row of the list; shares are of the playable cells."""
+    hexmap = scenario.hexmap
+    cells = int(hexmap.playable.sum())
+    red = sum(piece.camp == 0 for piece in scenario.pieces)
+    return {
+        "map": scenario.name,
+        "cells": cells,
+        "relief_m": int(hexmap.elev_m.max()),
+        "concealed": f"{hexmap.concealed.sum() / cells:.0%}",
+        "slushy": f"{hexmap.slushy.sum() / cells:.0%}",
+        "paved": f"{hexmap.paved.sum() / cells:.1%}",
+        "pieces": red,
+        "points": ", ".join(f"{point.name} {point.value}" for point in scenario.points),
+        "hash": scenario.hash,
+    }

@@ -1,0 +1,132 @@
+"""A training run: env, model and callbacks put together, and what is left behind."""
+
+from __future__ import annotations
+
+from importlib.util import find_spec
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import torch
+from stable_baselines3.common.callbacks import BaseCallback, CallbackList
+from stable_baselines3.common.logger import Logger, configure
+
+from hexwar_sb3.algorithms.checkpoint import load_checkpoint
+from hexwar_sb3.algorithms.qmix import QMIX
+from hexwar_sb3.callbacks.checkpoint import Checkpoint
+from hexwar_sb3.callbacks.progress import ProgressBar
+from hexwar_sb3.callbacks.record import write_game
+from hexwar_sb3.callbacks.win_rate import WinRateCallback
+from hexwar_sb3.commands.page import write_page
+from hexwar_sb3.commands.run_folder import RunFolder
+from hexwar_sb3.engine.world import load_world
+from hexwar_sb3.envs.registration import make_vec_env
+from hexwar_sb3.evaluation.panel import CAMPS
+from hexwar_sb3.evaluation.seeds import Purpose, seed_for
+
+if TYPE_CHECKING:
+    from stable_baselines3.common.vec_env import VecEnv
+
+    from hexwar_sb3.commands.train import Train
+
+LOG_EVERY_GAMES = 200
+INTERRUPTED = 130  # exit code after Ctrl-C
+
+
+def train(settings: Train, env: VecEnv, folder: RunFolder) -> int:
+    """Train as the settings say; return the exit code."""
+    torch.set_num_threads(1)  # as fast as two here, and it leaves the other core alone
+    if settings.resume:
+        model = load_checkpoint(folder.checkpoint, env, QMIX, device=settings.device)
+    else:
+        model = new_model(settings, env)
+        model.policy.freeze(**about(settings)).save(folder.untrained)
+    model.set_logger(new_logger(folder.path))
+    checkpoint = Checkpoint(settings.save_freq, folder.checkpoint)
+    try:
+        with checkpoint.on_signal():
+            model.learn(
+                settings.n_timesteps - model.num_timesteps,
+                callback=CallbackList([checkpoint, *watchers(settings, folder)]),
+                log_interval=LOG_EVERY_GAMES,
+                reset_num_timesteps=False,
+            )
+    except KeyboardInterrupt:
+        saved = folder.checkpoint.exists()
+        print(
+            f"\nstopped; go on with: hexwar train --resume {folder.path}"
+            if saved
+            else "\nstopped, nothing saved"
+        )
+        return INTERRUPTED
+    model.save(folder.model)
+    for camp in camps(settings):
+        path = folder.replays / f"{camp}_against_{Path(settings.opponents[0]).name}.hwr"
+        write_game(
+            path,
+            folder.policy,
+            settings.opponents[0],
+            scenario=settings.scenario,
+            seed=settings.seed,
+            camp=camp,
+        )
+    write_page(settings, folder)
+    return 0
+
+
+def make_env(settings: Train) -> VecEnv:
+    """Make the games that the model learns from."""
+    return make_vec_env(
+        "HexWarTask-v0",
+        n_envs=settings.n_envs,
+        seed=seed_for(Purpose.TRAINING, settings.seed),
+        scenario=settings.scenario,
+        side=settings.side,
+        opponent=list(settings.opponents),
+        decision_ticks=settings.decision_ticks,
+        reward=settings.reward,
+        privileged_state=True,
+    )
+
+
+def new_model(settings: Train, env: VecEnv) -> QMIX:
+    """Build a model, or take the one that training is to start from."""
+    if settings.trained_agent is None:
+        return QMIX("TaskPolicy", env, seed=settings.seed, device=settings.device, **settings.learner)
+    model = QMIX.load(settings.trained_agent, env, device=settings.device)
+    model.num_timesteps = 0
+    return model
+
+
+def camps(settings: Train) -> tuple[str, ...]:
+    """List the camps that the commander plays."""
+    return CAMPS if settings.side == "both" else (settings.side,)
+
+
+def about(settings: Train) -> dict[str, str]:
+    """Say in a policy folder what it was trained on."""
+    rules = load_world(settings.scenario).ruleset.hash
+    return {"rules": rules, "scenario": settings.scenario, "side": settings.side, "seed": str(settings.seed)}
+
+
+def watchers(settings: Train, folder: RunFolder) -> list[BaseCallback]:
+    """Build the callbacks that look at the training."""
+    win_rate = WinRateCallback(
+        settings.eval_freq,
+        settings.opponents,
+        scenario=settings.scenario,
+        games=settings.eval_games,
+        seed=settings.seed,
+        folder=folder.path,
+        about=about(settings),
+        camps=camps(settings),
+    )
+    return [win_rate, *([ProgressBar(settings.n_timesteps)] if settings.progress else [])]
+
+
+def new_logger(folder: Path) -> Logger:
+    """Log to progress.csv, and to TensorBoard where it is installed; keep what an earlier part wrote."""
+    progress = folder / "progress.csv"
+    if progress.exists():
+        parts = len(list(folder.glob("progress*.csv")))
+        progress.rename(folder / f"progress_{parts}.csv")
+    return configure(str(folder), ["csv", *(["tensorboard"] if find_spec("tensorboard") else [])])

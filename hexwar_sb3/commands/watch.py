@@ -1,0 +1,75 @@
+"""`hexwar watch`: a recorded game as text or picture, and its verification."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import tyro
+
+from hexwar_sb3.commands.output import print_json
+from hexwar_sb3.commands.settings import Json
+
+if TYPE_CHECKING:
+    from hexwar_sb3.engine.replay import Replay
+
+
+@dataclass(frozen=True, kw_only=True)
+class Watch:
+    """Show a recorded game; play it again and compare."""
+
+    file: tyro.conf.Positional[Path]  # *.hwr
+    verify: bool = False  # play the game again from its orders and compare every state
+    output: Path | None = None  # picture of the whole game (png, svg or pdf): paths, shots, captures, margins
+    json: Json = False
+
+    def run(self) -> int:
+        """Print what happened, and write what was asked for."""
+        from hexwar_sb3.engine.replay import Replay
+
+        replay = Replay.load(self.file)
+        if self.verify:
+            replay.verify()
+        if self.output is not None:
+            from hexwar_sb3.engine.picture import save_game_picture
+
+            save_game_picture(replay, self.output)
+        if self.json:
+            print_json({"file": str(self.file), "verified": self.verify, **figures(replay)})
+        else:
+            print("\n".join([*event_lines(replay), result_line(replay)]))
+            if self.verify:
+                print("verified: played again, every state is the same")
+        return 0
+
+
+def figures(replay: Replay) -> dict[str, Any]:
+    """Who played, how it ended, and how often each thing happened."""
+    kinds = [event["kind"] for event in replay.events]
+    end = {key: value for key, value in replay.end.items() if key != "type"}
+    return {
+        "players": replay.head.get("players", {}),
+        **end,
+        "events": {kind: kinds.count(kind) for kind in sorted(set(kinds))},
+    }
+
+
+def event_lines(replay: Replay) -> list[str]:
+    """One line an event: tick, who, what, and the rest by name."""
+    return [event_line(event) for event in replay.events]
+
+
+def event_line(event: dict[str, Any]) -> str:
+    """Text of one event."""
+    rest = {k: v for k, v in event.items() if k not in {"type", "tick", "kind", "piece"} and v is not None}
+    words = " ".join(f"{name}={value}" for name, value in rest.items())
+    return f"{event['tick']:>5}  {event['piece']:<16} {event['kind']:<14} {words}".rstrip()
+
+
+def result_line(replay: Replay) -> str:
+    """How the game stood at its end."""
+    end = replay.end
+    margins = ", ".join(f"{camp} {margin:+d}" for camp, margin in end.get("margin", {}).items())
+    winner = end.get("winner") or "nobody yet"
+    return f"tick {end['tick']}: {winner}; margins {margins}"

@@ -1,0 +1,62 @@
+"""A camp's own record of a game: its orders, its views, and the events that it could see."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+
+from hexwar_sb3.engine.game import Game
+from hexwar_sb3.engine.game_events import GameEvent
+from hexwar_sb3.engine.record import STATE_TICKS, Line
+from hexwar_sb3.engine.roster import Roster, parse_camp
+from hexwar_sb3.kernels import Rows
+from hexwar_sb3.rules.enums import Camp
+
+Follow = Callable[[Game, Line, int], None]
+
+_NAMES = ("piece", "target", "shooter")
+_OWN_ONLY = frozenset({"mortar_fired", "mortar_landed", "refused"})
+_DICE = frozenset({"roll", "raw", "correction_roll", "modifiers", "correction"})
+"""A modifier may tell of an unseen piece beside the target, so a camp's record has no dice."""
+
+
+def known_lines(camp: str, game: Game, lines: Sequence[Line], follow: Follow) -> Iterator[Line]:
+    """Play the game again and write what the camp may know, tick by tick.
+
+    follow: makes the game do what a line of the full replay says.
+    """
+    side, end_tick = parse_camp(camp), lines[-1]["tick"]
+    acts = [(n, line) for n, line in enumerate(lines, start=1) if line["type"] in {"orders", "edit"}]
+    while game.tick <= end_tick:
+        while acts and acts[0][1]["tick"] == game.tick:
+            number, line = acts.pop(0)
+            follow(game, line, number)
+            if line["type"] == "orders" and line["camp"] == camp:
+                yield line
+        if game.tick % STATE_TICKS == 0 or game.tick == end_tick:
+            yield {"type": "view"} | game.view(camp).as_dict()
+        if game.tick == end_tick:
+            break
+        before = game.state.memory[0, side].copy()
+        for event in game.advance(1):
+            if is_known(event, side, game.roster, before, game.state.memory[0, side]):
+                yield _plain_event(event)
+    view = game.view(camp)
+    yield {"type": "end", "tick": view.tick, "over": view.over, "own": {camp: view.own_total}}
+
+
+def is_known(event: GameEvent, camp: Camp, roster: Roster, before: Rows, after: Rows) -> bool:
+    """Whether the camp could see the event: every enemy in it, before and after (or dying).
+
+    before, after: the camp's memory [P] around the step.
+    """
+    names = [getattr(event, name) for name in _NAMES]
+    indices = [roster.index(name) for name in names if name is not None]
+    if event.kind in _OWN_ONLY and roster.camps[indices[0]] != camp:
+        return False
+    enemies = [i for i in indices if roster.camps[i] != camp]
+    return all(before[i].seen and (after[i].seen or after[i].blood == 0) for i in enemies)
+
+
+def _plain_event(event: GameEvent) -> Line:
+    shown = {name: value for name, value in event.as_dict().items() if name not in _DICE}
+    return {"type": "event"} | shown

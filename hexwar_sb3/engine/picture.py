@@ -1,0 +1,171 @@
+"""A picture of a whole game: paths, shots, captures and losses on the map, and the score curve."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from hexwar_sb3.engine.record import Line
+from hexwar_sb3.engine.replay import Replay
+from hexwar_sb3.engine.roster import SIDES, camp_name
+from hexwar_sb3.files import replacing
+from hexwar_sb3.maps.hexmap import HexMap
+from hexwar_sb3.maps.picture import CAMP_COLOUR, centres, draw_map, draw_scenario
+
+_SHOTS = frozenset({"shot", "guided", "close_shot", "exit_shot"})
+_ROUNDS = frozenset({"mortar_landed"})
+_COLOUR = {camp_name(camp): CAMP_COLOUR[camp] for camp in SIDES}
+_SPREAD = 0.22  # cells between the paths of two pieces that walk the same way
+
+
+class Mark(NamedTuple):
+    """Something that happened in a place."""
+
+    camp: str
+    cell: str
+    tick: int
+
+
+class Shot(NamedTuple):
+    """One shot from cell to cell."""
+
+    camp: str
+    start: str
+    cell: str
+    hurt: bool  # the target lost something
+
+
+@dataclass
+class Story:
+    """What is drawn of a game."""
+
+    paths: dict[str, list[str]] = field(default_factory=dict)  # cells by piece
+    shots: list[Shot] = field(default_factory=list)
+    rounds: list[Mark] = field(default_factory=list)
+    captures: list[Mark] = field(default_factory=list)
+    deaths: list[Mark] = field(default_factory=list)
+
+
+def save_game_picture(replay: Replay, path: str | Path) -> None:
+    """Draw a game into a file (png, svg or pdf by its suffix)."""
+    with replacing(Path(path)) as temporary:
+        game_picture(replay).savefig(temporary, dpi=110)
+
+
+def game_picture(replay: Replay) -> Figure:
+    """The map with all that happened on it, above the margins of both camps."""
+    scenario, story = replay.scenario(), tell(replay)
+    figure = Figure(figsize=(11, 12), layout="constrained")
+    above, below = figure.subplots(2, 1, height_ratios=[6, 1])
+    draw_map(above, scenario.hexmap)
+    draw_scenario(above, scenario)
+    _draw_paths(above, scenario.hexmap, story)
+    _draw_shots(above, scenario.hexmap, story)
+    _draw_marks(above, scenario.hexmap, story)
+    _draw_legend(above)
+    _draw_scores(below, replay)
+    above.set_title(_title(replay), fontsize=13)
+    return figure
+
+
+def tell(replay: Replay) -> Story:
+    """Gather paths, shots, captures and deaths from the lines of a replay."""
+    story = Story(paths={name: [cell] for name, cell, *_ in replay.states[0]["pieces"] if cell})
+    for event in replay.events:
+        _add_event(story, event)
+    return story
+
+
+def _add_event(story: Story, event: Line) -> None:
+    piece, kind, cell = event["piece"], event["kind"], event.get("cell")
+    camp = piece.split(":")[0]
+    mark = Mark(camp, cell, event["tick"])
+    if kind in {"arrived", "off"}:
+        story.paths[piece].append(cell)
+    elif kind in _SHOTS:
+        start = story.paths[event.get("shooter", piece)][-1]
+        story.shots.append(Shot(camp, start, cell, event["result"] > 0))
+    elif kind in _ROUNDS:
+        story.rounds.append(mark)
+    elif kind == "occupied":
+        story.captures.append(mark)
+    elif kind == "dead":
+        story.deaths.append(mark)
+
+
+def _draw_paths(axes: Axes, hexmap: HexMap, story: Story) -> None:
+    where = centres(hexmap)
+    for number, (name, cells) in enumerate(story.paths.items()):
+        turn = 2 * np.pi * number / max(1, len(story.paths))
+        aside = _SPREAD * np.array([np.cos(turn), np.sin(turn)])
+        x, y = (where[[hexmap.parse_cell(cell) for cell in cells]] + aside).T
+        dashed = (0, (1, 1.5)) if "aerocraft" in name else "-"
+        colour = _COLOUR[name.split(":")[0]]
+        axes.plot(x, y, color=colour, linewidth=1.3, linestyle=dashed, alpha=0.8, zorder=7)
+
+
+def _draw_shots(axes: Axes, hexmap: HexMap, story: Story) -> None:
+    where = centres(hexmap)
+    for hurt, width, alpha in ((False, 0.4, 0.25), (True, 0.9, 0.7)):
+        chosen = [shot for shot in story.shots if shot.hurt == hurt]
+        ends = [[where[hexmap.parse_cell(cell)] for cell in (s.start, s.cell)] for s in chosen]
+        colours = [_COLOUR[shot.camp] for shot in chosen]
+        axes.add_collection(LineCollection(ends, colors=colours, linewidths=width, alpha=alpha, zorder=8))
+
+
+def _draw_marks(axes: Axes, hexmap: HexMap, story: Story) -> None:
+    where = centres(hexmap)
+    shapes = ((story.rounds, "o", 70, 1.0), (story.deaths, "X", 60, 0.8), (story.captures, "P", 110, 0.8))
+    for marks, shape, size, width in shapes:
+        for mark in marks:
+            x, y = where[hexmap.parse_cell(mark.cell)]
+            hollow = shape == "o"
+            face, edge = ("none", _COLOUR[mark.camp]) if hollow else (_COLOUR[mark.camp], "white")
+            axes.scatter(x, y, s=size, marker=shape, fc=face, ec=edge, linewidths=width, zorder=9)
+    for mark in story.captures:
+        x, y = where[hexmap.parse_cell(mark.cell)]
+        axes.annotate(str(mark.tick), (x, y), (5, -9), textcoords="offset points", fontsize=7, zorder=10)
+
+
+def _draw_legend(axes: Axes) -> None:
+    ink = {"color": "#33302b", "linestyle": "none"}
+    entries = [
+        *(Line2D([], [], color=colour, label=f"{camp}: path") for camp, colour in _COLOUR.items()),
+        Line2D([], [], color="#33302b", linewidth=0.9, label="shot (bold: with loss)"),
+        Line2D([], [], marker="P", label="capture, with its tick", **ink),
+        Line2D([], [], marker="X", label="piece destroyed", **ink),
+        Line2D([], [], marker="o", fillstyle="none", label="mortar round", **ink),
+    ]
+    axes.legend(handles=entries, loc="upper center", ncols=6, fontsize=7, bbox_to_anchor=(0.5, 0))
+
+
+def _draw_scores(axes: Axes, replay: Replay) -> None:
+    ticks = [state["tick"] for state in replay.states]
+    for camp, colour in _COLOUR.items():
+        margins = [state["margin"][camp] for state in replay.states]
+        axes.step(ticks, margins, where="post", color=colour, label=camp)
+    for tick in _capture_ticks(replay):
+        axes.axvline(tick, color="#33302b", linewidth=0.5, linestyle=":")
+    axes.axhline(0, color="#33302b", linewidth=0.6)
+    axes.set(xlabel="tick", ylabel="margin, points", xlim=(0, max(ticks) or 1))
+    axes.legend(loc="upper left", fontsize=8)
+
+
+def _capture_ticks(replay: Replay) -> Iterator[int]:
+    return (event["tick"] for event in replay.events if event["kind"] == "occupied")
+
+
+def _title(replay: Replay) -> str:
+    players, end = replay.head.get("players", {}), replay.end
+    names = " against ".join(f"{players.get(c, {}).get('name', '?')} ({c})" for c in _COLOUR)
+    result = end["winner"] or f"at tick {end['tick']}"
+    margins = ", ".join(f"{camp} {value:+d}" for camp, value in end["margin"].items())
+    return f"{replay.head['scenario']['name']}, seed {replay.seed}: {names}; {result}; margin {margins}"

@@ -1,0 +1,300 @@
+"""Replays `*.hwr`: a whole game in one small file that stands alone and can be played again.
+
+Lines: `head` (rules, scenario with its map, seed, players), then in the order of the game
+`orders`, `edit`, `event` and, every 75 ticks, `state` with a hash; last `end`. Head, orders and
+edits alone make the same game again; `verify` does so and compares every state.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+from hexwar_sb3.engine.game import Game
+from hexwar_sb3.engine.known_events import known_lines
+from hexwar_sb3.engine.orders import Order
+from hexwar_sb3.engine.record import Line, Recorder, state_hash, state_line
+from hexwar_sb3.engine.replay_file import content_hash, fail, read_lines, write_lines
+from hexwar_sb3.engine.roster import SIDES, camp_name
+from hexwar_sb3.engine.score import margin, own_total
+from hexwar_sb3.engine.state import State
+from hexwar_sb3.errors import FileFormatError, HexWarError, ReplayFileError
+from hexwar_sb3.maps.document import Document, shown
+from hexwar_sb3.maps.files import scenario_from_document
+from hexwar_sb3.maps.scenario import Scenario
+from hexwar_sb3.maps.scenario_file import scenario_document
+from hexwar_sb3.rules import RuleSet, default_rules
+from hexwar_sb3.rules.tables import AEROCRAFT
+
+FORMAT = "hexwar-replay"
+FORMAT_VERSION = 1
+MAX_SEED = 2**64 - 1
+_BODY = frozenset({"orders", "edit", "event", "state", "view"})
+_PLAYED = frozenset({"orders", "edit", "state"})
+
+
+@dataclass(frozen=True, kw_only=True)
+class PlayerName:
+    """Who played a camp."""
+
+    name: str
+    kind: str = "human"  # human, bot, policy or random
+    hash: str | None = None  # of the policy
+
+    def as_dict(self) -> dict[str, str]:
+        """The fields that are known."""
+        known = {"name": self.name, "kind": self.kind, "hash": self.hash}
+        return {key: value for key, value in known.items() if value is not None}
+
+
+@dataclass(frozen=True)
+class Replay:
+    """One recorded game.
+
+    Example:
+        >>> Replay.of(game).save("game.hwr")
+        >>> Replay.load("game.hwr").verify()
+    """
+
+    lines: tuple[Line, ...]
+    source: Path = Path("replay")  # named in messages
+
+    @property
+    def head(self) -> Line:
+        """Rules, scenario, seed, players."""
+        return self.lines[0]
+
+    @property
+    def end(self) -> Line:
+        """Score and winner."""
+        return self.lines[-1]
+
+    @property
+    def events(self) -> list[Line]:
+        """Everything that happened, in order."""
+        return [line for line in self.lines if line["type"] == "event"]
+
+    @property
+    def states(self) -> list[Line]:
+        """The state every 75 ticks and at the end."""
+        return [line for line in self.lines if line["type"] == "state"]
+
+    @classmethod
+    def of(cls, game: Game, red: PlayerName | None = None, blue: PlayerName | None = None) -> Replay:
+        """The replay of a game as far as it was played."""
+        return cls.recorded(game.recorder, game.state, 0, game.seed, red, blue)
+
+    @classmethod
+    def recorded(
+        cls,
+        recorder: Recorder,
+        state: State,
+        b: int,
+        seed: int,
+        red: PlayerName | None = None,
+        blue: PlayerName | None = None,
+    ) -> Replay:
+        """The replay of game b of a batch that a recorder looked on."""
+        players = {camp_name(camp): player for camp, player in zip(SIDES, (red, blue), strict=True)}
+        lines = [_head(recorder, seed, players), *recorder.lines, *_last_lines(recorder, state, b)]
+        return cls((*lines, _end_line(recorder, state, b) | {"sha256": content_hash(lines)}))
+
+    # --- files -----------------------------------------------------------------------------------
+
+    def save(self, path: str | Path) -> None:
+        """Write the file, whole or not at all."""
+        write_lines(Path(path), self.lines)
+
+    @classmethod
+    def load(cls, path: str | Path) -> Replay:
+        """Read a file and check that it is whole and of these rules.
+
+        Raises:
+            ReplayFileError: names the place, what was found and what was expected.
+        """
+        replay = cls(tuple(read_lines(Path(path))), Path(path))
+        replay._check_frame()
+        replay.scenario()
+        if replay.camp is None:
+            replay.ruleset()
+        return replay
+
+    def _check_frame(self) -> None:
+        kinds = [line["type"] for line in self.lines]
+        if not kinds or kinds[0] != "head":
+            self._fail("line 1", kinds[0] if kinds else "nothing", 'a line of type "head"')
+        if kinds[-1] != "end":
+            self._fail(f"line {len(kinds)}", f"{kinds[-1]!r}", '"end" last: the file was cut short')
+        for number, kind in enumerate(kinds[1:-1], start=2):
+            if kind not in _BODY:
+                self._fail(f"line {number}", shown(kind), f"one of {', '.join(sorted(_BODY))}")
+        self._check_head()
+        found, expected = self.end.get("sha256"), content_hash(self.lines[:-1])
+        if self.camp is None and found != expected:
+            self._fail("end.sha256", shown(found), f"{expected!r}: the file was changed")
+
+    def _check_head(self) -> None:
+        head = self._document(self.head, "head")
+        head.only(("type", "format", "version", "rules", "scenario"), tuple(self.head))
+        head.choice("format", (FORMAT,))
+        head.integer("version", FORMAT_VERSION, FORMAT_VERSION)
+        if self.camp is not None:
+            head.choice("camp", tuple(map(camp_name, SIDES)))
+        else:
+            head.only(("seed",), tuple(self.head))
+            head.integer("seed", 0, MAX_SEED)
+
+    @property
+    def camp(self) -> str | None:
+        """The camp whose own record this is; None for a whole replay."""
+        return self.head.get("camp")
+
+    def _fail(self, place: str, found: str, expected: str) -> None:
+        fail(self.source, place, found, expected)
+
+    def _document(self, line: Any, place: str) -> Document:
+        return Document(line, str(self.source), ReplayFileError, place)
+
+    # --- what the head says ----------------------------------------------------------------------
+
+    @property
+    def seed(self) -> int:
+        """Of all dice."""
+        return int(self.head["seed"])
+
+    def scenario(self) -> Scenario:
+        """The scenario with its map.
+
+        Raises:
+            ReplayFileError: it cannot be used, or is not what its hash says.
+        """
+        try:
+            return scenario_from_document(self.head["scenario"], str(self.source))
+        except FileFormatError as error:
+            place = f"head.scenario, {error.place}"
+            problem = ReplayFileError(self.source, place, found=error.found, expected=error.expected)
+            raise problem from error
+
+    def ruleset(self) -> RuleSet:
+        """The rules of the game, if they are the rules of this software.
+
+        Raises:
+            ReplayFileError: other rules.
+        """
+        rules = self._document(self.head["rules"], "head.rules")
+        rules.only(("version", "hash", "aerocraft"))
+        ruleset = default_rules().with_aerocraft(rules.choice("aerocraft", tuple(AEROCRAFT)))
+        if rules.text("hash") != ruleset.hash:
+            found = f"{shown(self.head['rules']['hash'])} (version {rules.text('version')})"
+            expected = f'"{ruleset.hash}" (version {ruleset.version})'
+            self._fail("head.rules.hash", found, f"{expected}: these are other rules")
+        return ruleset
+
+    # --- playing it again ------------------------------------------------------------------------
+
+    def verify(self) -> None:
+        """Play the game again from head, orders and edits, and compare every state.
+
+        Raises:
+            ReplayFileError: the first line that differs or cannot be played.
+        """
+        game = self._new_game()
+        for number, line in enumerate(self.lines[:-1], start=1):
+            self._follow(game, line, number)
+            if line["type"] == "state" and state_hash(game.state, 0) != line["hash"]:
+                found = f'"{state_hash(game.state, 0)}" when played again'
+                self._fail(f"line {number}, state of tick {line['tick']}", found, shown(line["hash"]))
+        again = _end_line(game.recorder, game.state, 0)
+        if again != {key: value for key, value in self.end.items() if key != "sha256"}:
+            self._fail("end", shown(again), f"{shown(self.end)} as in the file")
+
+    def game_at(self, tick: int) -> Game:
+        """The game as it stood at a tick, ready to be played on in another way."""
+        game = self._new_game()
+        for number, line in enumerate(self.lines, start=1):
+            if line.get("tick", 0) >= tick and line["type"] != "edit":
+                break
+            self._follow(game, line, number)
+        game.advance(max(0, tick - game.tick))
+        return game
+
+    def _new_game(self) -> Game:
+        if self.camp is not None:
+            self._fail("head", f"the record of {self.camp} only", "a whole replay")
+        return Game(self.scenario(), self.seed, self.ruleset())
+
+    def _follow(self, game: Game, line: Line, number: int) -> None:
+        """Bring the game to this line, and do what it says."""
+        if line["type"] not in _PLAYED:
+            return
+        end_tick = game.world.scenario.game_ticks
+        place = self._document(line, f"line {number}")
+        game.advance(place.integer("tick", game.tick, end_tick) - game.tick)
+        try:
+            if line["type"] == "orders":
+                game.submit(line["camp"], [Order.parse(text) for text in line["orders"]])
+            elif line["type"] == "edit":
+                with game.edit() as state:
+                    for who, field, value in line["changes"]:
+                        state.apply((who, field, value))
+        except (HexWarError, KeyError, TypeError, ValueError, AttributeError) as error:
+            self._fail(f"line {number}", str(error), f"{line['type']} that can be played again")
+
+    # --- one camp's own file ---------------------------------------------------------------------
+
+    def for_camp(self, camp: str) -> Replay:
+        """What one camp may see of it: no seed, hashes, enemy orders, true score or final margin."""
+        head = {key: self.head[key] for key in ("type", "format", "version", "players", "created") if key in self.head}
+        scenario = {key: value for key, value in self.head["scenario"].items() if key != "hash"}
+        scenario["map"] = {k: v for k, v in scenario["map"].items() if k not in {"hash", "seed"}}
+        head |= {"camp": camp, "rules": {"version": self.head["rules"]["version"]}, "scenario": scenario}
+        return Replay((head, *known_lines(camp, self._new_game(), self.lines, self._follow)), self.source)
+
+
+def _head(recorder: Recorder, seed: int, players: dict[str, PlayerName | None]) -> Line:
+    from hexwar_sb3 import __version__
+
+    world = recorder.world
+    named = {camp: player or PlayerName(name="unknown") for camp, player in players.items()}
+    return {
+        "type": "head",
+        "format": FORMAT,
+        "version": FORMAT_VERSION,
+        "rules": {
+            "version": world.ruleset.version,
+            "hash": world.ruleset.hash,
+            "aerocraft": world.ruleset.aerocraft.name,
+        },
+        "scenario": scenario_document(world.scenario),
+        "seed": seed & MAX_SEED,
+        "players": {camp: player.as_dict() for camp, player in named.items()},
+        "software": __version__,
+        "created": datetime.now(UTC).isoformat(timespec="seconds"),
+    }
+
+
+def _last_lines(recorder: Recorder, state: State, b: int) -> list[Line]:
+    """The states that are still to be written, the last of them at the present tick."""
+    tick, states = int(state.games[b].tick), recorder.copy()
+    states.note_states(state, b, tick)
+    lines = states.lines[len(recorder.lines) :]
+    if not states.lines or states.lines[-1]["tick"] < tick or states.lines[-1]["type"] != "state":
+        lines.append(state_line(state, b, tick, recorder.world, recorder.roster))
+    return lines
+
+
+def _end_line(recorder: Recorder, state: State, b: int) -> Line:
+    game, pieces, rules = state.games[b], state.pieces[b], recorder.world.rules[0]
+    margins = {camp_name(camp): int(margin(game, pieces, camp, rules)) for camp in SIDES}
+    lead = margins["red"] - margins["blue"]
+    winner = "draw" if lead == 0 else "red" if lead > 0 else "blue"
+    return {
+        "type": "end",
+        "tick": int(game.tick),
+        "over": bool(game.over),
+        "own": {camp_name(camp): int(own_total(game, pieces, camp, rules)) for camp in SIDES},
+        "margin": margins,
+        "winner": winner if game.over else None,
+    }

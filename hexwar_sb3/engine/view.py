@@ -1,0 +1,313 @@
+"""What one camp may know, and nothing else (rule book, section 6).
+
+A field that the camp does not know is absent from the class, not zero. An enemy is seen now
+(`SeenEnemy`), remembered (`LostEnemy`), or has never been seen (`UnseenEnemy`).
+"""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass, field, fields, is_dataclass
+from typing import Any
+
+from hexwar_sb3.engine.pieces import has_path, in_motion, next_cell_of
+from hexwar_sb3.engine.reasons import doing, kind_name
+from hexwar_sb3.engine.records import (
+    NEVER,
+    NO_CELL,
+    NO_PIECE,
+    ROUND_BURSTING,
+    ROUND_FLYING,
+    ROUND_FREE,
+)
+from hexwar_sb3.engine.roster import Roster, camp_name, enemy_of
+from hexwar_sb3.engine.score import known_margin, own_total
+from hexwar_sb3.engine.state import State
+from hexwar_sb3.engine.world import World
+from hexwar_sb3.kernels import Row
+from hexwar_sb3.maps.hexmap import HexMap
+from hexwar_sb3.rules.compiled import NO_POOL
+from hexwar_sb3.rules.enums import Weapon
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class OwnPiece:
+    """A piece of the camp, in full. Timers are ticks left, 0 when they do not run."""
+
+    name: str
+    kind: str
+    cell: str
+    blood: int
+    alive: bool
+    doing: str  # "settled", "moving", "stopping", "hiding", ...
+    path: tuple[str, ...]  # cells still to walk
+    hop_left: int  # of the hop under way
+    speed: float  # cells a tick
+    ammo: tuple[tuple[str, int], ...]  # weapon, rounds; weapons of one pool share them
+    hidden: bool
+    suppressed: bool
+    suppressed_left: int
+    cool_left: int
+    mortar_cool_left: int
+    stop_left: int
+    hide_left: int
+    board_left: int
+    decompress_left: int
+    aboard: str | None  # the chariot that carries it
+    passenger: str | None
+    sees: tuple[str, ...]  # enemies that this piece itself sees
+
+    @property
+    def cold_down(self) -> int:
+        """The longest of the running timers (II-A: one cool-down property)."""
+        return max(
+            self.suppressed_left, self.cool_left, self.mortar_cool_left, self.stop_left,
+            self.hide_left, self.board_left, self.decompress_left,
+        )  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SeenEnemy:
+    """An enemy piece that some own piece sees now."""
+
+    name: str
+    kind: str
+    cell: str
+    next_cell: str | None  # where its hop under way leads
+    blood: int
+    hidden: bool
+    suppressed: bool
+    moving: bool
+    speed: float  # cells a tick
+    seen_since: int  # tick
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LostEnemy:
+    """An enemy piece as it was last seen; u(sigma, t) of III-A. Blood 0: seen to be destroyed."""
+
+    name: str
+    kind: str
+    cell: str
+    blood: int
+    unseen_ticks: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class UnseenEnemy:
+    """An enemy piece that was never seen; the order of battle is known."""
+
+    name: str
+    kind: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PointView:
+    """A control point."""
+
+    name: str
+    cell: str
+    value: int
+    owner: str  # "red", "blue" or "green"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RoundView:
+    """An own mortar round."""
+
+    owner: str
+    aimed_at: str
+    fired_at: int
+    lands_in: int  # ticks; 0 after landing
+    bursting: bool
+
+
+@dataclass(frozen=True, kw_only=True)
+class SideView:
+    """All that one camp may know in one state; equal knowledge gives equal views."""
+
+    camp: str
+    tick: int
+    ticks_left: int
+    over: bool
+    own: tuple[OwnPiece, ...]
+    seen: tuple[SeenEnemy, ...]
+    lost: tuple[LostEnemy, ...]
+    unseen: tuple[UnseenEnemy, ...]
+    points: tuple[PointView, ...]
+    rounds: tuple[RoundView, ...]
+    bursting: tuple[str, ...]  # cells under a burst of either camp
+    fights: tuple[str, ...]  # cells of close combats
+    own_total: int
+    known_margin: int  # enemies count at their last seen blood
+    hexmap: HexMap = field(repr=False, compare=False)
+
+    def as_dict(self) -> dict[str, Any]:
+        """Plain values for a file, without the map."""
+        names = (entry.name for entry in fields(self) if entry.compare)
+        return {name: _plain(getattr(self, name)) for name in names}
+
+    def piece(self, name: str) -> OwnPiece:
+        """An own piece by its name."""
+        return next(piece for piece in self.own if piece.name == name)
+
+
+def side_view(camp: int, state: State, b: int, world: World) -> SideView:
+    """The view of a camp of game b."""
+    return _Viewer(camp, state, b, world).view()
+
+
+class _Viewer:
+    """Reads one game for one camp."""
+
+    def __init__(self, camp: int, state: State, b: int, world: World) -> None:
+        self.camp, self.world = camp, world
+        self.game, self.pieces, self.memory, self.paths, self.rounds, *_ = state.game(b)
+        self.roster = Roster(world.scenario)
+        self.own = self.roster.pieces_of(camp)
+        self.enemies = self.roster.pieces_of(enemy_of(camp))
+
+    def view(self) -> SideView:
+        game, pieces, memory, rules = self.game, self.pieces, self.memory, self.world.rules[0]
+        return SideView(
+            camp=camp_name(self.camp),
+            tick=int(game.tick),
+            ticks_left=int(game.end_tick - game.tick),
+            over=bool(game.over),
+            own=tuple(self._own(i) for i in self.own),
+            seen=tuple(self._seen(i) for i in self.enemies if self._known(i).seen),
+            lost=tuple(self._lost(i) for i in self.enemies if self._is_lost(i)),
+            unseen=tuple(self._unseen(i) for i in self.enemies if self._never_seen(i)),
+            points=tuple(self._point(k) for k in range(game.n_points)),
+            rounds=tuple(self._round(r) for r in self.rounds if self._is_own_round(r)),
+            bursting=self._bursting(),
+            fights=self._fights(),
+            own_total=int(own_total(game, pieces, self.camp, rules)),
+            known_margin=int(known_margin(game, pieces, memory, self.camp, rules)),
+            hexmap=self.world.scenario.hexmap,
+        )
+
+    # --- pieces ----------------------------------------------------------------------------------
+
+    def _own(self, i: int) -> OwnPiece:
+        piece = self.pieces[i]
+        return OwnPiece(
+            name=self.roster.short(i),
+            kind=kind_name(piece.kind),
+            cell=self._cell(piece.cell),
+            blood=int(piece.blood),
+            alive=bool(piece.blood > 0),
+            doing=doing(piece),
+            path=tuple(self._path(i)),
+            hop_left=self._left(piece.arrives_at),
+            speed=_speed(piece),
+            ammo=tuple(self._ammo(piece)),
+            hidden=bool(piece.hidden),
+            suppressed=bool(piece.suppressed),
+            suppressed_left=self._left(piece.keep_ends),
+            cool_left=self._left(piece.cool_ends),
+            mortar_cool_left=self._left(piece.mortar_ends),
+            stop_left=self._left(piece.stop_ends),
+            hide_left=self._left(piece.hide_ends),
+            board_left=self._left(piece.board_ends),
+            decompress_left=self._left(piece.decompress_ends),
+            aboard=self._name(piece.carrier),
+            passenger=self._name(piece.passenger),
+            sees=tuple(self.roster.names[j] for j in self.enemies if int(piece.sees) >> j & 1),
+        )
+
+    def _seen(self, i: int) -> SeenEnemy:
+        piece = self.pieces[i]
+        next_cell = next_cell_of(piece, self.paths[i], self.world.cells)
+        return SeenEnemy(
+            name=self.roster.names[i],
+            kind=kind_name(piece.kind),
+            cell=self._cell(piece.cell),
+            next_cell=None if next_cell == NO_CELL else self._cell(next_cell),
+            blood=int(piece.blood),
+            hidden=bool(piece.hidden),
+            suppressed=bool(piece.suppressed),
+            moving=bool(in_motion(piece)),
+            speed=_speed(piece),
+            seen_since=int(self._known(i).first_tick),
+        )
+
+    def _lost(self, i: int) -> LostEnemy:
+        known = self._known(i)
+        return LostEnemy(
+            name=self.roster.names[i],
+            kind=kind_name(self.pieces[i].kind),
+            cell=self._cell(known.cell),
+            blood=int(known.blood),
+            unseen_ticks=int(self.game.tick - known.tick),
+        )
+
+    def _unseen(self, i: int) -> UnseenEnemy:
+        return UnseenEnemy(name=self.roster.names[i], kind=kind_name(self.pieces[i].kind))
+
+    def _known(self, i: int) -> Row:
+        return self.memory[self.camp, i]
+
+    def _never_seen(self, i: int) -> bool:
+        return bool(self._known(i).cell == NO_CELL)
+
+    def _is_lost(self, i: int) -> bool:
+        return not self._known(i).seen and not self._never_seen(i)
+
+    def _path(self, i: int) -> list[str]:
+        piece, cells = self.pieces[i], self.world.cells
+        names, here = [], int(piece.cell)
+        for direction in self.paths[i][piece.path_pos : piece.path_len]:
+            here = int(cells[here].neighbour[direction])
+            names.append(self._cell(here))
+        return names
+
+    def _ammo(self, piece: Row) -> list[tuple[str, int]]:
+        pools = self.world.rules[0].pool[piece.kind]
+        return [(w.name, int(piece.ammo[pools[w]])) for w in Weapon if pools[w] != NO_POOL]
+
+    # --- the rest --------------------------------------------------------------------------------
+
+    def _point(self, k: int) -> PointView:
+        point = self.world.scenario.points[k]
+        owner = camp_name(self.game.point_owner[k])
+        return PointView(name=point.name, cell=self._cell(point.cell), value=point.value, owner=owner)
+
+    def _is_own_round(self, shell: Row) -> bool:
+        return bool(shell.camp == self.camp and shell.status != ROUND_FREE)
+
+    def _round(self, shell: Row) -> RoundView:
+        return RoundView(
+            owner=self.roster.short(shell.owner),
+            aimed_at=self._cell(shell.cell),
+            fired_at=int(shell.fired_at),
+            lands_in=self._left(shell.land_at) if shell.status == ROUND_FLYING else 0,
+            bursting=bool(shell.status == ROUND_BURSTING),
+        )
+
+    def _bursting(self) -> tuple[str, ...]:
+        bursts = {self._cell(r.impact) for r in self.rounds if r.status == ROUND_BURSTING}
+        return tuple(sorted(bursts))
+
+    def _fights(self) -> tuple[str, ...]:
+        return tuple(sorted(self._cell(c) for c in self.game.fight_cell if c != NO_CELL))
+
+    def _left(self, ends: int) -> int:
+        return 0 if ends == NEVER else max(0, int(ends) - int(self.game.tick))
+
+    def _cell(self, cell: int) -> str:
+        return self.roster.cell_name(cell)
+
+    def _name(self, i: int) -> str | None:
+        return None if i == NO_PIECE else self.roster.short(i)
+
+
+def _speed(piece: Row) -> float:
+    """Cells a tick while hopping, 0 otherwise."""
+    hopping = has_path(piece) and piece.arrives_at != NEVER
+    return 1.0 / int(piece.hop_need) if hopping else 0.0
+
+
+def _plain(value: object) -> object:
+    if isinstance(value, tuple):
+        return [_plain(item) for item in value]
+    return asdict(value) if is_dataclass(value) and not isinstance(value, type) else value

@@ -1,0 +1,184 @@
+"""The task env as PettingZoo sees it: one agent a piece."""
+
+from __future__ import annotations
+
+from typing import Any, ClassVar
+
+import numpy as np
+from gymnasium import spaces
+from numpy.typing import NDArray
+from pettingzoo import ParallelEnv
+
+from hexwar_sb3.engine.roster import SIDES, camp_name, parse_camp
+from hexwar_sb3.engine.world import load_world
+from hexwar_sb3.envs.settings import TaskSettings, task_settings
+from hexwar_sb3.envs.task_games import Obs, setup_of
+from hexwar_sb3.errors import UnknownNameError
+from hexwar_sb3.play.arena import Arena
+from hexwar_sb3.play.look import Sight
+from hexwar_sb3.play.player import Seat, make_mixture
+from hexwar_sb3.play.seeds import check_seed, game_seed
+from hexwar_sb3.rules.enums import Camp
+from hexwar_sb3.tasks.records import MAX_TASKS
+
+CAMPS = ("red", "blue", "both")
+_SEED_LIMIT = 2**31  # of seeds that are drawn where none is given
+
+
+class TaskParallelEnv(ParallelEnv[str, Obs, int]):  # type: ignore[misc]  # PettingZoo ships no types
+    """One agent a piece, "red:tank0"; its action is a task index of its own task set.
+
+    Every agent of a camp gets the camp's reward, eq. (3). Agents leave when their piece is destroyed.
+
+    Args:
+        settings: the env's settings; `side` stands for itself, `opponent` for the camp not played.
+        camps: "red", "blue" or "both".
+    """
+
+    metadata: ClassVar[dict[str, Any]] = {"name": "hexwar_task_v0", "render_modes": []}
+    render_mode = None
+
+    def __init__(self, settings: TaskSettings, camps: str = "both") -> None:
+        if camps not in CAMPS:
+            raise UnknownNameError("camps", camps, CAMPS)
+        self.camps = SIDES if camps == "both" else (parse_camp(camps),)
+        self.mixture = make_mixture(settings.opponent)
+        world = load_world(settings.scenario)
+        self.arena = Arena(world, 1, setup_of(settings))
+        self.sights = {
+            camp: Sight(world, camp, 1, dtype=settings.dtype, with_state=True) for camp in self.camps
+        }
+        self.possible_agents = [
+            f"{camp_name(camp)}:{name}" for camp in self.camps for name in world.piece_names(camp)
+        ]
+        self.agents: list[str] = []
+        self._places = {agent: self._place(agent) for agent in self.possible_agents}
+        self._action_spaces = {agent: spaces.Discrete(MAX_TASKS) for agent in self.possible_agents}
+        self._observation_spaces = {agent: self._space(agent) for agent in self.possible_agents}
+        self._seed, self._episode = 0, 0
+
+    def observation_space(self, agent: str) -> spaces.Dict:
+        """The piece's own features, its task rows and their mask."""
+        return self._observation_spaces[agent]
+
+    def action_space(self, agent: str) -> spaces.Discrete:
+        """A task index."""
+        return self._action_spaces[agent]
+
+    def reset(
+        self, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[dict[str, Obs], dict[str, dict[str, Any]]]:
+        """Start the next episode; with a seed, the first one of that seed."""
+        if seed is not None:
+            self._seed, self._episode = check_seed(seed), 0
+        self.arena.begin(0, game_seed(self._seed, self._episode), *self._seats())
+        self._episode += 1
+        self.agents = list(self.possible_agents)
+        self._look()
+        return {agent: self._observe(agent) for agent in self.agents}, {agent: {} for agent in self.agents}
+
+    def step(
+        self, actions: dict[str, int]
+    ) -> tuple[dict[str, Obs], dict[str, float], dict[str, bool], dict[str, bool], dict[str, dict[str, Any]]]:
+        """Play one decision; an agent without an action, or with an illegal one, stops."""
+        before, tick = self._margins(), int(self.arena.state.games.tick[0])
+        for camp in self.camps:
+            self._choose(camp, actions)
+        self._advance()
+        self._look()
+        gain = {camp: after - before[camp] for camp, after in self._margins().items()}
+        over = bool(self.arena.state.games.over[0])
+        ticks = int(self.arena.state.games.tick[0]) - tick
+        acted = self.agents
+        ended = {agent: over or not self._is_alive(agent) for agent in acted}
+        self.agents = [agent for agent in acted if not ended[agent]]
+        return (
+            {agent: self._observe(agent) for agent in acted},
+            {agent: gain[self._places[agent][0]] for agent in acted},
+            ended,
+            dict.fromkeys(acted, False),
+            {agent: {"ticks": ticks} for agent in acted},
+        )
+
+    def state(self) -> NDArray[Any]:
+        """The truth, in the first camp's frame [Ds]; for training only."""
+        return self.sights[self.camps[0]].state[0].copy()
+
+    def render(self) -> None:
+        """Nothing is drawn here: see `Game` for pictures."""
+
+    def close(self) -> None:
+        """Nothing to release."""
+
+    def _seats(self) -> tuple[Seat | None, Seat | None]:
+        other = self.mixture.players[self.mixture.draw(self._seed, self._episode)]
+        red, blue = (None if camp in self.camps else other for camp in SIDES)
+        return red, blue
+
+    def _choose(self, camp: Camp, actions: dict[str, int]) -> None:
+        row = np.zeros((1, self.sights[camp].rows.shape[1]), np.int64)
+        for agent, action in actions.items():
+            owner, slot = self._places[agent]
+            if owner == camp:
+                row[0, slot] = action
+        one = np.zeros(1, np.int64)
+        self.arena.choose(one, one, np.array([camp], np.int64), row, self.sights[camp])
+
+    def _advance(self) -> None:
+        """Play until the camps are due again or the game is over, asking the opponent meanwhile."""
+        one, due = np.zeros(1, np.int64), False
+        while not due and not self.arena.over(one)[0]:
+            self.arena.ask([0])
+            self.arena.advance(one)
+            due = any(self.arena.due(one, int(camp))[0] for camp in self.camps)
+
+    def _look(self) -> None:
+        one = np.zeros(1, np.int64)
+        for camp, sight in self.sights.items():
+            self.arena.look(one, one, np.array([camp], np.int64), sight)
+
+    def _margins(self) -> dict[Camp, float]:
+        one = np.zeros(1, np.int64)
+        return {camp: float(self.arena.margins(one, np.array([camp], np.int64))[0]) for camp in self.camps}
+
+    def _place(self, agent: str) -> tuple[Camp, int]:
+        side, name = agent.split(":")
+        camp = parse_camp(side)
+        return camp, self.arena.world.piece_names(camp).index(name)
+
+    def _is_alive(self, agent: str) -> bool:
+        camp, slot = self._places[agent]
+        return bool(self.arena.state.pieces[0, self.arena.world.side(camp)][slot].blood > 0)
+
+    def _observe(self, agent: str) -> Obs:
+        camp, slot = self._places[agent]
+        obs = self.sights[camp].obs
+        return {
+            "observation": obs["obs"][0, slot].copy(),
+            "tasks": obs["tasks"][0, slot].copy(),
+            "action_mask": obs["action_mask"][0, slot].copy(),
+        }
+
+    def _space(self, agent: str) -> spaces.Dict:
+        return spaces.Dict({key: _box(key, value) for key, value in self._observe(agent).items()})
+
+
+def _box(key: str, sample: NDArray[Any]) -> spaces.Box:
+    if key == "action_mask":
+        return spaces.Box(0, 1, sample.shape, np.int8)
+    return spaces.Box(-np.inf, np.inf, sample.shape, sample.dtype.type)
+
+
+def parallel_env(scenario: Any = "plain", camps: str = "both", **settings: Any) -> TaskParallelEnv:
+    """PettingZoo's parallel view of the task env.
+
+    Args:
+        scenario: name, file or object.
+        camps: "red", "blue" (the other one is the `opponent`) or "both".
+        settings: see `TaskSettings`.
+
+    Example:
+        >>> env = parallel_env("plain", camps="red", opponent="MA2")
+        >>> observations, infos = env.reset(seed=0)
+    """
+    return TaskParallelEnv(task_settings({"scenario": scenario, **settings}), camps)

@@ -1,0 +1,40 @@
+"""What a bot does, said in the words of the task sets, for learners that may watch."""
+
+from __future__ import annotations
+
+from hexwar_sb3.engine.records import NEVER, NO_CELL
+from hexwar_sb3.kernels import Row, Rows, kernel
+from hexwar_sb3.maps.geometry import cells_apart
+from hexwar_sb3.tasks.known import end_piece, first_piece
+
+
+@kernel
+def name_plans(
+    camp: int, game: Row, plans: Rows, tasks: Rows, mask: Rows, cells: Rows, actions: Rows
+) -> None:
+    """Write the task index that comes nearest to each plan of a camp.
+
+    Args:
+        plans: of both camps, [P].
+        tasks, mask: the camp's task sets, [N, K].
+        actions: out, [N].
+    """
+    first = first_piece(camp, game)
+    for i in range(first, end_piece(camp, game)):
+        actions[i - first] = nearest_task(plans[i], tasks[i - first], mask[i - first], cells)
+
+
+@kernel
+def nearest_task(plan: Row, tasks: Rows, mask: Rows, cells: Rows) -> int:
+    """Valid row of the plan's kind and target with the nearest cell; 0, stop, if there is none."""
+    best, best_apart = 0, NEVER
+    for k in range(tasks.size):
+        task = tasks[k]
+        if mask[k] == 0 or task.kind != plan.kind or task.target != plan.target:
+            continue
+        apart = 0
+        if task.cell != NO_CELL and plan.cell != NO_CELL:
+            apart = cells_apart(cells, task.cell, plan.cell)
+        if apart < best_apart:
+            best, best_apart = k, apart
+    return best

@@ -1,0 +1,76 @@
+"""One game between two players, recorded step by step."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from hexwar_sb3.engine.game import LOG_ROWS
+from hexwar_sb3.engine.record import Recorder
+from hexwar_sb3.engine.replay import PlayerName, Replay
+from hexwar_sb3.engine.state import new_state
+from hexwar_sb3.engine.world import load_world
+from hexwar_sb3.maps.scenario import Scenario
+from hexwar_sb3.play.arena import Arena, Setup
+from hexwar_sb3.play.drive import make_step, next_decision, note_due, wants_step
+from hexwar_sb3.play.player import BotPlayer, Seat, make_player
+from hexwar_sb3.play.records import DECISION_TICKS
+from hexwar_sb3.play.seeds import check_seed, game_seed
+
+
+def record_game(
+    red: object,
+    blue: object,
+    scenario: str | Path | Scenario = "plain",
+    seed: int = 0,
+    *,
+    episode: int = 0,
+    decision_ticks: int = DECISION_TICKS,
+) -> Replay:
+    """Play one game and write it down; it is the game that `play_games` plays as its number `episode`.
+
+    Args:
+        red: a player as `make_player` takes them.
+        blue: likewise.
+        scenario: name, file or object.
+        seed: of the match.
+        episode: number of the game.
+        decision_ticks: ticks between two decisions of a policy.
+    """
+    world = load_world(scenario)
+    arena = Arena(world, 1, Setup(decision_ticks=(decision_ticks, decision_ticks)))
+    arena.state = new_state(world, 1, LOG_ROWS)
+    seats = make_player(red), make_player(blue)
+    dice_seed = game_seed(check_seed(seed), episode)
+    arena.begin(0, dice_seed, *seats)
+    recorder = Recorder(world)
+    while not arena.state.games[0].over:
+        arena.ask([0])
+        _advance(arena, recorder)
+    return Replay.recorded(recorder, arena.state, 0, dice_seed, _name(red, seats[0]), _name(blue, seats[1]))
+
+
+def _advance(arena: Arena, recorder: Recorder) -> None:
+    """Do what `advance_game` does, with the recorder looking on."""
+    world, state = arena.world, arena.state
+    game, pieces, memory, paths, rounds, orders, log = state.game(0)
+    drive, plans, brains = arena.drives[0], arena.plans[0], arena.brains[0]
+    rules, atlas = world.rules[0], arena.atlas[0]
+    until = next_decision(drive, game)
+    while not game.over and game.tick < until:
+        if wants_step(
+            until, drive, game, pieces, memory, paths, rounds, orders, plans, brains,
+            rules, world.cells, world.los, world.eta, atlas,
+        ):  # fmt: skip
+            recorder.before_step(state, 0)
+            make_step(drive, game, pieces, memory, paths, rounds, orders, log, rules, world.cells, world.los)
+            recorder.after_step(state, 0)
+            if note_due(drive, game, plans):
+                return
+    note_due(drive, game, plans)
+
+
+def _name(player: object, seat: Seat) -> PlayerName:
+    if isinstance(seat, BotPlayer):
+        return PlayerName(name=seat.name, kind="bot")
+    name = Path(player).name if isinstance(player, str | Path) else type(player).__name__
+    return PlayerName(name=name, kind="policy")

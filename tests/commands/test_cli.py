@@ -1,0 +1,113 @@
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from hexwar_sb3 import __version__
+from hexwar_sb3.cli import COMMANDS
+
+Command = Callable[..., tuple[int, str, str]]
+
+
+def test_help_lists_every_command(hexwar: Command) -> None:
+    code, out, _ = hexwar("--help")
+
+    assert code == 0
+    assert all(name in out for name in COMMANDS)
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_every_command_explains_itself(hexwar: Command, name: str) -> None:
+    code, out, _ = hexwar(name, "--help")
+
+    assert code == 0
+    assert f"usage: hexwar {name}" in out
+
+
+def test_the_version_is_that_of_the_package(hexwar: Command) -> None:
+    assert hexwar("--version") == (0, f"hexwar {__version__}\n", "")
+
+
+def test_a_misspelt_flag_is_met_with_the_right_one(hexwar: Command) -> None:
+    code, _, err = hexwar("train", "--eval-frec", "9")
+
+    assert code == 2
+    assert "--eval-freq" in err
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("match", "MA1", "MA3"), "hexwar: unknown player 'MA3'; did you mean "),
+        (
+            ("match", "MA1", "MA2", "--scenario", "plian"),
+            "hexwar: unknown scenario 'plian'; did you mean 'plain'?",
+        ),
+        (("match", "MA1", "MA2", "--games", "0"), "hexwar: games must be at least 1, got 0"),
+        (("match", "MA1", "MA2", "--seed", "-1"), "hexwar: seed must be in 0..999999, got -1"),
+        (("train", "--n-envs", "0"), "hexwar: n_envs must be at least 1, got 0"),
+        (("train", "--resume", "no/such/run"), "hexwar: no/such/run/config.json: file: found No such file"),
+        (("watch", "no.hwr"), "hexwar: no.hwr"),
+        (("maps", "--new", "mine"), "hexwar: --new needs --output"),
+    ],
+)
+def test_a_mistake_is_one_line_and_no_traceback(
+    hexwar: Command, arguments: tuple[str, ...], message: str
+) -> None:
+    code, out, err = hexwar(*arguments)
+
+    assert (code, out) == (2, "")
+    assert err.startswith(message)
+    assert err.count("\n") == 1
+
+
+def test_a_match_prints_both_camps(hexwar: Command) -> None:
+    _, out, _ = hexwar("match", "MA1", "MA2", "--games", "4")
+
+    assert out.splitlines()[0].split()[:3] == ["camp", "player", "games"]
+    assert [line.split()[:3] for line in out.splitlines()[2:]] == [["red", "MA1", "4"], ["blue", "MA2", "4"]]
+
+
+def test_a_match_as_json_is_the_same_match_each_time(hexwar: Command) -> None:
+    first, second = (json.loads(hexwar("match", "MA1", "MA2", "--games", "4", "--json")[1]) for _ in range(2))
+
+    assert first == second
+    assert first["red"]["wins"] + first["red"]["draws"] + first["red"]["losses"] == 4
+    assert first["red"]["wins"] == first["blue"]["losses"]
+
+
+def test_an_evaluation_has_a_row_for_each_player_opponent_and_camp(hexwar: Command) -> None:
+    _, out, _ = hexwar("evaluate", "nearest", "--opponents", "MA1", "--games", "2", "--json")
+
+    rows = json.loads(out)["rows"]
+
+    players = ("nearest", "all-main", "half-half", "two-hold")
+    assert [(row["player"], row["camp"]) for row in rows] == [
+        (p, c) for p in players for c in ("red", "blue")
+    ]
+
+
+def test_maps_lists_the_built_in_ones(hexwar: Command) -> None:
+    rows = json.loads(hexwar("maps", "--json")[1])["maps"]
+
+    assert [(row["map"], row["cells"]) for row in rows] == [("hills", 4935), ("paddy", 4935), ("plain", 4935)]
+
+
+def test_a_new_map_can_be_made_listed_and_drawn(hexwar: Command, tmp_path: Path) -> None:
+    code, out, _ = hexwar(
+        "maps", "--new", "mine", "--like", "paddy", "--seed", "7", "--output", str(tmp_path)
+    )
+
+    assert code == 0
+    assert "mine" in out
+    assert {path.name for path in tmp_path.iterdir()} == {"mine.map.json", "mine.scenario.json", "mine.png"}
+
+
+def test_doctor_plays_a_game(hexwar: Command) -> None:
+    findings = json.loads(hexwar("doctor", "--json")[1])
+
+    assert findings["hexwar-sb3"] == __version__
+    assert findings["games"].endswith("MA1 against MA2")

@@ -1,0 +1,126 @@
+"""A whole training, small: what it leaves behind, and that a broken one goes on."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import signal
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from safetensors.numpy import load_file
+
+from hexwar_sb3.algorithms.qmix import QMIX
+
+Command = Callable[..., tuple[int, str, str]]
+
+SMALL = (
+    *("--n-envs", "4", "--opponents", "MA1", "--eval-freq", "200", "--eval-games", "1", "--save-freq", "100"),
+    *("--final-games", "2", "--batch-size", "32", "--seed", "3"),
+)
+
+
+def weights_hash(run: Path) -> str:
+    """Hash of every network of the last model."""
+    model = QMIX.load(run / "model.zip")
+    digest = hashlib.sha256()
+    for tensor in model.policy.state_dict().values():
+        digest.update(tensor.numpy().tobytes())
+    return digest.hexdigest()
+
+
+def test_a_training_leaves_a_whole_run_folder(hexwar: Command, tmp_path: Path) -> None:
+    code, out, _ = hexwar("train", *SMALL, "-n", "400", "--runs", str(tmp_path), "-P")
+
+    run = tmp_path / "commander_1"
+    assert code == 0
+    assert {path.name for path in run.iterdir()} >= {
+        *("config.json", "command.txt", "model.zip", "best_model.zip", "policy", "evaluations.npz"),
+        *(
+            "progress.csv",
+            "learning_curve.png",
+            "replays",
+            "page.txt",
+            "page.json",
+            "checkpoint.npz",
+            "untrained",
+        ),
+    }
+    assert all(
+        word in out
+        for word in ("untrained", "trained", "all-main", "MA1", "MA2", "win rate", str(run / "policy"))
+    )
+    rows = json.loads((run / "page.json").read_text(encoding="utf-8"))["rows"]
+    assert {(row["opponent"], row["camp"]) for row in rows} == {
+        (o, c) for o in ("MA1", "MA2") for c in ("red", "blue")
+    }
+    assert load_file(run / "policy" / "weights.safetensors")
+
+
+def test_a_resumed_training_ends_with_the_weights_of_an_unbroken_one(hexwar: Command, tmp_path: Path) -> None:
+    """Architecture.md, section 6: on a CPU, the same weights."""
+    hexwar("train", *SMALL, "-n", "600", "--runs", str(tmp_path), "--name", "whole")
+    hexwar("train", *SMALL, "-n", "300", "--runs", str(tmp_path), "--name", "broken")
+    config = tmp_path / "broken_1" / "config.json"
+    settings = json.loads(config.read_text(encoding="utf-8"))
+    config.write_text(json.dumps({**settings, "n_timesteps": 600}), encoding="utf-8")
+
+    hexwar("train", "--resume", str(tmp_path / "broken_1"))
+
+    assert weights_hash(tmp_path / "broken_1") == weights_hash(tmp_path / "whole_1")
+    with (
+        np.load(tmp_path / "broken_1" / "evaluations.npz") as broken,
+        np.load(tmp_path / "whole_1" / "evaluations.npz") as whole,
+    ):
+        assert broken["results"][-1].tolist() == whole["results"][-1].tolist()
+
+
+KILLED_AT_THE_SECOND_CHECKPOINT = """
+import os, signal
+from hexwar_sb3.callbacks import checkpoint
+from hexwar_sb3.cli import main
+save = checkpoint.save_checkpoint
+def save_once(model, path):
+    if path.exists():
+        os.kill(os.getpid(), signal.SIGKILL)
+    save(model, path)
+checkpoint.save_checkpoint = save_once
+main()
+"""
+
+
+@pytest.mark.slow
+def test_a_killed_training_goes_on_to_the_weights_of_an_unbroken_one(hexwar: Command, tmp_path: Path) -> None:
+    arguments = ("train", *SMALL, "-n", "600", "--runs", str(tmp_path))
+    killed = subprocess.run(
+        [sys.executable, "-c", KILLED_AT_THE_SECOND_CHECKPOINT, *arguments, "--name", "killed"], check=False
+    )
+
+    hexwar("train", "--resume", str(tmp_path / "killed_1"))
+    hexwar(*arguments, "--name", "whole")
+
+    assert killed.returncode == -signal.SIGKILL
+    assert weights_hash(tmp_path / "killed_1") == weights_hash(tmp_path / "whole_1")
+
+
+def test_ctrl_c_saves_and_says_how_to_resume(
+    hexwar: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    saved: list[int] = []
+
+    def save(model: QMIX, path: Path) -> None:
+        saved.append(model.num_timesteps)
+        path.touch()
+        signal.raise_signal(signal.SIGINT)
+
+    monkeypatch.setattr("hexwar_sb3.callbacks.checkpoint.save_checkpoint", save)
+
+    code, out, _ = hexwar("train", *SMALL, "-n", "400", "--runs", str(tmp_path))
+
+    assert code == 130
+    assert saved == [100, 104]
+    assert f"go on with: hexwar train --resume {tmp_path / 'commander_1'}" in out

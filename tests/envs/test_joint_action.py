@@ -1,0 +1,156 @@
+"""JointActionEnv: any cooperative PettingZoo parallel env as one env with task sets."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from gymnasium import spaces
+from numpy.typing import NDArray
+from pettingzoo import ParallelEnv
+from pettingzoo.test import parallel_api_test
+from stable_baselines3.common.env_checker import check_env
+
+from hexwar_sb3.envs.joint_action import JointActionEnv
+from hexwar_sb3.envs.matrix_games import CLIMBING, ROUNDS, RepeatedGame, TwoStepGame
+from hexwar_sb3.errors import ConfigError, UnknownNameError
+
+
+class UnevenGame(ParallelEnv):  # type: ignore[misc]  # PettingZoo ships no types
+    """Agents of different sizes; b's actions start at 5; a leaves after its first step; cut after three."""
+
+    metadata = {"name": "uneven_v0"}  # noqa: RUF012
+
+    def __init__(self, masks_in: str = "observation") -> None:
+        self.possible_agents = ["a", "b"]
+        self.agents: list[str] = []
+        self.masks_in, self.moment = masks_in, 0
+        self.played: list[dict[str, int]] = []
+
+    def observation_space(self, agent: str) -> spaces.Space[Any]:
+        box = spaces.Box(0.0, 9.0, (2,) if agent == "a" else (1, 3))
+        n = self.action_space(agent).n
+        if self.masks_in == "observation":
+            return spaces.Dict({"observation": box, "action_mask": spaces.Box(0, 1, (n,), np.int8)})
+        return box
+
+    def action_space(self, agent: str) -> spaces.Discrete:
+        return spaces.Discrete(2) if agent == "a" else spaces.Discrete(3, start=5)
+
+    def look(self) -> tuple[dict[str, Any], dict[str, Any]]:
+        seen = {"a": np.full(2, self.moment, np.float32), "b": np.full((1, 3), self.moment, np.float32)}
+        masks = {"a": np.array([0, 1], np.int8), "b": np.array([1, 0, 1], np.int8)}
+        if self.masks_in == "observation":
+            both = {name: {"observation": seen[name], "action_mask": masks[name]} for name in self.agents}
+            return both, {name: {} for name in self.agents}
+        infos = {name: {"action_mask": masks[name]} if self.masks_in == "infos" else {} for name in self.agents}
+        return {name: seen[name] for name in self.agents}, infos
+
+    def reset(self, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, Any]:
+        self.agents, self.moment = ["a", "b"], 0
+        return self.look()
+
+    def step(self, actions: dict[str, int]) -> tuple[Any, Any, Any, Any, Any]:
+        self.played.append(actions)
+        self.moment += 1
+        seen, infos = self.look()
+        rewards = {name: 1.0 if name == "a" else 2.0 for name in self.agents}
+        ended = {name: name == "a" for name in self.agents}
+        cut = dict.fromkeys(self.agents, self.moment == 3)
+        self.agents = [name for name in self.agents if not ended[name] and not cut[name]]
+        return seen, rewards, ended, cut, infos
+
+
+def test_the_matrix_games_are_parallel_envs() -> None:
+    parallel_api_test(TwoStepGame(), num_cycles=20)
+    parallel_api_test(RepeatedGame(CLIMBING), num_cycles=60)
+
+
+@pytest.mark.filterwarnings("ignore:.*Box.*:UserWarning")  # about ranges and image sizes of features
+def test_the_joint_env_passes_sb3s_checker() -> None:
+    check_env(JointActionEnv(TwoStepGame()))
+
+
+def test_sizes_are_those_of_the_largest_agent() -> None:
+    env = JointActionEnv(UnevenGame())
+
+    assert env.action_space == spaces.MultiDiscrete([3, 3])
+    assert env.observation_space["obs"].shape == (2, 3 + 2)
+    assert "state" not in env.observation_space.spaces
+
+
+def test_an_observation_is_padded_and_names_its_agent() -> None:
+    env = JointActionEnv(UnevenGame())
+    env.reset()
+    obs, *_ = env.step(np.array([1, 0]))
+
+    assert obs["obs"].tolist() == [[1, 1, 0, 1, 0], [1, 1, 1, 0, 1]]
+    assert obs["tasks"][1].tolist() == np.eye(3).tolist()
+
+
+@pytest.mark.parametrize(
+    ("masks_in", "mask"), [("observation", [[0, 1, 0], [1, 0, 1]]), ("infos", [[0, 1, 0], [1, 0, 1]]), ("none", [[1, 1, 0], [1, 1, 1]])]
+)
+def test_masks_come_from_the_observation_or_the_infos(masks_in: str, mask: list[list[int]]) -> None:
+    obs, _ = JointActionEnv(UnevenGame(masks_in)).reset()
+
+    assert obs["action_mask"].tolist() == mask
+
+
+def test_an_agent_that_left_is_dead_and_acts_no_more() -> None:
+    game = UnevenGame()
+    env = JointActionEnv(game)
+    env.reset()
+
+    obs, *_ = env.step(np.array([1, 2]))
+    env.step(np.array([0, 0]))
+
+    assert obs["alive"].tolist() == [0, 1]
+    assert obs["action_mask"][0].tolist() == [1, 0, 0]
+    assert game.played == [{"a": 1, "b": 7}, {"b": 5}]
+
+
+@pytest.mark.parametrize(("team_reward", "rewards"), [("mean", [1.5, 2.0]), ("sum", [3.0, 2.0])])
+def test_the_team_gets_the_mean_or_the_sum(team_reward: str, rewards: list[float]) -> None:
+    env = JointActionEnv(UnevenGame(), team_reward=team_reward)
+    env.reset()
+
+    assert [env.step(np.array([1, 0]))[1] for _ in range(2)] == rewards
+
+
+def test_a_cut_game_is_truncated_a_finished_one_terminated() -> None:
+    env = JointActionEnv(UnevenGame())
+    env.reset()
+    assert [env.step(np.array([1, 0]))[2:4] for _ in range(3)] == [(False, False), (False, False), (False, True)]
+
+    game = JointActionEnv(RepeatedGame(CLIMBING))
+    game.reset()
+    ends = [game.step(np.array([0, 0]))[2:4] for _ in range(ROUNDS)]
+    assert ends == [(False, False)] * (ROUNDS - 1) + [(True, False)]
+
+
+def test_the_state_may_be_left_out() -> None:
+    assert JointActionEnv(TwoStepGame()).observation_space["state"].shape == (3,)
+    assert "state" not in JointActionEnv(TwoStepGame(), privileged_state=False).observation_space.spaces
+
+
+def test_continuous_actions_and_unknown_team_rewards_are_refused() -> None:
+    class Continuous(UnevenGame):
+        def action_space(self, agent: str) -> spaces.Space[Any]:
+            return spaces.Box(0.0, 1.0, (1,))
+
+    with pytest.raises(ConfigError, match="needs Discrete actions, got Box"):
+        JointActionEnv(Continuous(masks_in="none"))
+    with pytest.raises(UnknownNameError, match="did you mean 'mean'"):
+        JointActionEnv(TwoStepGame(), team_reward="meann")
+
+
+def seen(env: JointActionEnv) -> NDArray[Any]:
+    return env.reset()[0]["obs"]
+
+
+def test_resets_are_equal() -> None:
+    env = JointActionEnv(TwoStepGame())
+
+    assert (seen(env) == seen(env)).all()

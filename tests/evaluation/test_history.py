@@ -1,0 +1,54 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from hexwar_sb3.errors import FileFormatError
+from hexwar_sb3.evaluation.history import History
+from hexwar_sb3.evaluation.panel import Panel
+from hexwar_sb3.evaluation.results import CampResult
+
+
+def panel(margin: float) -> Panel:
+    result = CampResult(np.array([1.0, 0.5]), np.array([margin, 0.0]), np.array([2, 1]))
+    return Panel("trained", {("MA1", "red"): result, ("MA1", "blue"): result})
+
+
+@pytest.fixture
+def history() -> History:
+    history = History()
+    history.add(100, panel(10.0))
+    history.add(200, panel(20.0))
+    return history
+
+
+def test_a_saved_history_comes_back(history: History, tmp_path: Path) -> None:
+    history.save(tmp_path / "evaluations.npz")
+
+    loaded = History.load(tmp_path / "evaluations.npz")
+
+    assert loaded.timesteps == [100, 200]
+    assert [result.mean_margin.value for result in loaded.results] == [5.0, 10.0]
+
+
+def test_a_resumed_run_forgets_what_came_after_its_checkpoint(history: History, tmp_path: Path) -> None:
+    history.save(tmp_path / "evaluations.npz")
+
+    assert History.load(tmp_path / "evaluations.npz", until=150).timesteps == [100]
+
+
+def test_the_file_has_the_keys_of_stable_baselines3(history: History, tmp_path: Path) -> None:
+    history.save(tmp_path / "evaluations.npz")
+
+    with np.load(tmp_path / "evaluations.npz") as data:
+        assert data["timesteps"].shape == (2,)
+        assert data["results"].shape == data["successes"].shape == (2, 4)
+
+
+def test_a_broken_file_says_where_and_what(tmp_path: Path) -> None:
+    (tmp_path / "evaluations.npz").write_bytes(b"PK\x03\x04 no more")
+
+    with pytest.raises(FileFormatError, match=r"evaluations\.npz: file: found .*; expected arrays"):
+        History.load(tmp_path / "evaluations.npz")

@@ -1,0 +1,189 @@
+"""FrozenPolicy: equal to torch, the same in any batch, and a folder that is checked before it is used."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import safetensors.numpy
+from gymnasium import spaces
+from numpy.typing import NDArray
+
+from hexwar_sb3.errors import ConfigError, PolicyFileError
+from hexwar_sb3.play.frozen import FrozenPolicy
+from hexwar_sb3.policies.task_policy import TaskPolicy
+
+PIECES, TASKS, OBS, TASK = 3, 6, 9, 4
+
+Obs = dict[str, NDArray[Any]]
+
+
+@pytest.fixture(scope="module")
+def policy() -> TaskPolicy:
+    space = spaces.Dict(
+        {
+            "obs": spaces.Box(-1.0, 1.0, (PIECES, OBS)),
+            "tasks": spaces.Box(-1.0, 1.0, (PIECES, TASKS, TASK)),
+            "action_mask": spaces.Box(0, 1, (PIECES, TASKS), np.int8),
+            "alive": spaces.Box(0.0, 1.0, (PIECES,)),
+        }
+    )
+    return TaskPolicy(space, spaces.MultiDiscrete([TASKS] * PIECES), lambda _: 1e-3)
+
+
+@pytest.fixture
+def folder(policy: TaskPolicy, tmp_path: Path) -> Path:
+    policy.freeze(rules="abc", scenario="plain").save(tmp_path / "policy")
+    return tmp_path / "policy"
+
+
+def observe(games: int = 20) -> Obs:
+    rng = np.random.default_rng(0)
+    mask = (rng.random((games, PIECES, TASKS)) < 0.5).astype(np.int8)
+    mask[..., 0] = 1
+    return {
+        "obs": rng.standard_normal((games, PIECES, OBS), np.float32),
+        "tasks": rng.standard_normal((games, PIECES, TASKS, TASK), np.float32),
+        "action_mask": mask,
+        "alive": np.ones((games, PIECES), np.float32),
+    }
+
+
+def test_values_and_tasks_equal_those_of_torch(policy: TaskPolicy) -> None:
+    obs, frozen = observe(), policy.freeze()
+    tensors, _ = policy.obs_to_tensor(obs)
+
+    q = policy.agent(*(tensors[key] for key in ("obs", "tasks", "action_mask"))).detach().numpy()  # type: ignore[index, call-overload]
+
+    np.testing.assert_allclose(frozen.q_values(obs), q, atol=1e-5)
+    assert (frozen.act(obs) == policy.predict(obs)[0]).all()
+
+
+def test_a_game_alone_and_in_a_batch_has_the_same_values_to_the_bit(policy: TaskPolicy) -> None:
+    obs, frozen = observe(), policy.freeze()
+    batch = frozen.q_values(obs)
+
+    for game in range(3):
+        alone = {key: value[game : game + 1] for key, value in obs.items()}
+        assert (frozen.q_values(alone)[0] == batch[game]).all()
+
+
+def test_half_precision_and_single_observations_are_taken(policy: TaskPolicy) -> None:
+    obs, frozen = observe(), policy.freeze()
+    half = {key: value.astype(np.float16) if value.dtype == np.float32 else value for key, value in obs.items()}
+
+    assert frozen.act(half).shape == (20, PIECES)
+    single, _ = frozen.predict({key: value[0] for key, value in obs.items()})
+    assert (single == frozen.act(obs)[0]).all()
+
+
+def test_it_comes_back_from_its_folder(policy: TaskPolicy, folder: Path) -> None:
+    loaded = FrozenPolicy.load(folder, rules="abc")
+
+    assert loaded.about == {"rules": "abc", "scenario": "plain"}
+    assert (loaded.q_values(observe()) == policy.freeze().q_values(observe())).all()
+    assert sorted(path.name for path in folder.iterdir()) == ["config.json", "weights.safetensors"]
+
+
+def test_rules_that_it_was_not_trained_under_are_refused(folder: Path) -> None:
+    with pytest.raises(PolicyFileError, match=r"about.rules: found 'abc'; expected 'xyz', the rules of this game"):
+        FrozenPolicy.load(folder, rules="xyz")
+
+
+def test_an_observation_of_other_sizes_is_refused(policy: TaskPolicy) -> None:
+    obs = observe()
+    obs["obs"] = obs["obs"][..., :-1]
+
+    with pytest.raises(ConfigError, match=r"\(3, 6, 9, 4\), got \(3, 6, 8, 4\)"):
+        policy.freeze().act(obs)
+
+
+def change(key: str, value: object) -> Callable[[Path], None]:
+    """Change one entry of config.json."""
+
+    def act(folder: Path) -> None:
+        config = json.loads((folder / "config.json").read_text())
+        config[key] = value
+        (folder / "config.json").write_text(json.dumps(config))
+
+    return act
+
+
+def write(name: str, content: bytes) -> Callable[[Path], None]:
+    return lambda folder: [(folder / name).write_bytes(content), None][1]  # type: ignore[func-returns-value]
+
+
+SIZES = {"obs": OBS, "task": TASK, "hidden": 64, "embed": 32, "one": 1}
+
+
+@pytest.mark.parametrize(
+    ("damage", "message"),
+    [
+        (write("config.json", b"{"), "config.json: text: found .*; expected JSON"),
+        (write("config.json", b"[]"), "config.json: format: found something else"),
+        (write("config.json", b" " * 70_000), "config.json: file size: found 70000 bytes; expected at most"),
+        (change("version", 9), "expected 'hexwar task policy', version 1"),
+        (change("n_pieces", 0), "config.json: n_pieces: found 0; expected a whole number from 1 to 4096"),
+        (change("n_tasks", 10**9), "n_tasks: found 1000000000; expected a whole number from 1 to 4096"),
+        (change("n_tasks", True), "n_tasks: found True"),
+        (change("sizes", {"obs": 1}), "config.json: sizes: found {'obs': 1}; expected the axes"),
+        (change("sizes", {**SIZES, "hidden": 63}), r"piece.weight has the shape \(64, 9\), expected \(63, 9\)"),
+        (change("about", [1]), r"config.json: about: found \[1\]; expected texts by name"),
+        (change("weights_sha256", "0"), "weights.safetensors: sha256: found other weights"),
+        (write("weights.safetensors", b""), "weights.safetensors: sha256: found other weights"),
+        (write("weights.safetensors", b"\0" * (1 << 24) + b"\0"), "weights.safetensors: file size: found 16777217"),
+        (lambda folder: (folder / "weights.safetensors").unlink(), "weights.safetensors: file: found .*No such file"),
+        (lambda folder: (folder / "config.json").unlink(), "config.json: file: found .*No such file"),
+    ],
+)
+def test_a_damaged_folder_is_refused_with_file_and_place(
+    folder: Path, damage: Callable[[Path], None], message: str
+) -> None:
+    damage(folder)
+
+    with pytest.raises(PolicyFileError, match=message):
+        FrozenPolicy.load(folder)
+
+
+def rewrite(folder: Path, weights: dict[str, NDArray[np.float32]]) -> None:
+    """Put other weights there, with a config that vouches for them."""
+    import hashlib
+
+    data = safetensors.numpy.save(weights)
+    (folder / "weights.safetensors").write_bytes(data)
+    change("weights_sha256", hashlib.sha256(data).hexdigest())(folder)
+
+
+@pytest.mark.parametrize(
+    ("name", "array", "message"),
+    [
+        ("piece.bias", np.full(64, np.nan, np.float32), "piece.bias holds numbers that are not finite"),
+        ("piece.bias", np.zeros(63, np.float32), r"piece.bias has the shape \(63,\), expected \(64,\)"),
+        ("extra", np.zeros(1, np.float32), "arrays: found .*'extra'"),
+    ],
+)
+def test_weights_that_cannot_be_right_are_refused(
+    folder: Path, name: str, array: NDArray[np.float32], message: str
+) -> None:
+    weights = safetensors.numpy.load_file(folder / "weights.safetensors")
+
+    rewrite(folder, {**weights, name: array})
+
+    with pytest.raises(PolicyFileError, match=message):
+        FrozenPolicy.load(folder)
+
+
+def test_a_pickle_in_place_of_the_weights_is_not_run(folder: Path) -> None:
+    import hashlib
+    import pickle
+
+    data = pickle.dumps({"piece.weight": 1})
+    (folder / "weights.safetensors").write_bytes(data)
+    change("weights_sha256", hashlib.sha256(data).hexdigest())(folder)
+
+    with pytest.raises(PolicyFileError, match="expected safetensors"):
+        FrozenPolicy.load(folder)

@@ -1,0 +1,90 @@
+"""Who can be seated, and how opponents are drawn."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from hexwar_sb3.errors import ConfigError, UnknownNameError
+from hexwar_sb3.play.player import BotPlayer, ModelPlayer, Observation, make_mixture, make_player
+
+N_PIECES, N_TASKS = 3, 4
+
+
+class FirstTask:
+    """Player: always task 0."""
+
+    def reset(self) -> None: ...
+
+    def act(self, obs: Observation) -> NDArray[np.int64]:
+        return np.zeros(obs["action_mask"].shape[:2], np.int64)
+
+
+class MaskedModel:
+    """Model in the manner of MaskablePPO: keeps the masks that it was given."""
+
+    masks: NDArray[Any] | None = None
+
+    def predict(
+        self, obs: Observation, deterministic: bool = False, action_masks: NDArray[Any] | None = None
+    ) -> tuple[NDArray[np.int64], None]:
+        self.masks = action_masks
+        return np.full(obs["action_mask"].shape[:2], int(deterministic)), None
+
+
+def test_a_bots_name_is_a_compiled_player() -> None:
+    assert isinstance(make_player("MA1"), BotPlayer)
+
+
+def test_a_wrong_name_says_which_one_was_meant() -> None:
+    with pytest.raises(UnknownNameError, match="did you mean 'MA1'"):
+        make_player("MA3")
+
+
+def test_a_folder_without_a_policy_is_unknown(tmp_path: Path) -> None:
+    with pytest.raises(UnknownNameError):
+        make_player(tmp_path)
+
+
+def test_an_object_that_acts_is_a_player_as_it_is() -> None:
+    player = FirstTask()
+    assert make_player(player) is player
+
+
+def test_a_model_plays_greedily_and_gets_flat_masks() -> None:
+    model = MaskedModel()
+    player = make_player(model)
+    assert isinstance(player, ModelPlayer)
+
+    actions = player.act({"action_mask": np.ones((2, N_PIECES, N_TASKS), np.int8)})
+
+    assert (actions == 1).all()
+    assert model.masks is not None
+    assert model.masks.shape == (2, N_PIECES * N_TASKS)
+
+
+def test_an_object_that_cannot_play_is_refused() -> None:
+    with pytest.raises(ConfigError, match="act"):
+        make_player(3)
+
+
+def test_a_mixture_draws_by_weight_and_by_episode_alone() -> None:
+    mixture = make_mixture([("MA1", 3), ("MA2", 1)])
+    draws = [mixture.draw(seed=5, episode=k) for k in range(400)]
+
+    assert draws == [mixture.draw(seed=5, episode=k) for k in range(400)]
+    assert 0.17 < np.mean(draws) < 0.33
+
+
+def test_opponents_without_weights_are_equally_likely() -> None:
+    assert make_mixture(["MA1", "MA2"]).weights == (1.0, 1.0)
+
+
+@pytest.mark.parametrize("opponent", [[], [("MA1", -1)], [("MA1", 0)]])
+def test_impossible_weights_are_refused(opponent: list[object]) -> None:
+    with pytest.raises(ConfigError, match="weights"):
+        make_mixture(opponent)
