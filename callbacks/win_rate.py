@@ -78,6 +78,8 @@ class WinRateCallback(EverySteps):
         self.logger.record("eval/win_rate", result.win_rate.value)
         self.logger.record("eval/mean_margin", result.mean_margin.value)
         self.logger.record("eval/points_held", float(result.points_held.mean()))
+        self.logger.record("time/total_timesteps", self.model.num_timesteps, exclude="tensorboard")
+        self.logger.dump(self.model.num_timesteps)
         self.history.save(self.folder / "evaluations.npz")
         draw_curve(self.history, self.folder / "learning_curve.png")
         if result.mean_margin.value > best:

@@ -58,7 +58,8 @@ class TaskPolicy(BasePolicy):
             observation_space,
             action_space,
             optimizer_class=optimizer_class,
-            optimizer_kwargs=optimizer_kwargs or ({"fused": True} if optimizer_class is torch.optim.Adam else {}),
+            optimizer_kwargs=optimizer_kwargs
+            or ({"fused": True} if optimizer_class is torch.optim.Adam else {}),
         )
         self.shapes = TaskShapes.of(observation_space, action_space)
         self.sizes = {"hidden": hidden, "embed": embed}

@@ -18,6 +18,7 @@ from hexwar_sb3.algorithms.exploration import NO_TASK, Explorer, epsilon_at, ran
 from hexwar_sb3.algorithms.game_log import GameLog
 from hexwar_sb3.algorithms.model_file import PlainZipAlgorithm
 from hexwar_sb3.algorithms.replay import Batch, StepReplay, situation_of
+from hexwar_sb3.algorithms.td_targets import qmix_target
 from hexwar_sb3.algorithms.td_update import TDLearner
 from hexwar_sb3.errors import ConfigError
 from hexwar_sb3.policies.shapes import TaskShapes
@@ -136,7 +137,9 @@ class QMIX(PlainZipAlgorithm):
             sde_support=False,
         )
         if train_freq[0] < 1 or train_freq[1] not in ("episode", "step"):
-            raise ConfigError(f"train_freq must be (n, 'episode') or (n, 'step') with n >= 1, got {train_freq}")
+            raise ConfigError(
+                f"train_freq must be (n, 'episode') or (n, 'step') with n >= 1, got {train_freq}"
+            )
         self.update_every = train_freq  # SB3 counts episodes with a single env only
         self.target_update_interval = target_update_interval
         self.n_steps, self.td_lambda, self.double_q, self.loss = n_steps, td_lambda, double_q, loss
@@ -194,7 +197,7 @@ class QMIX(PlainZipAlgorithm):
         total_timesteps: int,
         callback: MaybeCallback = None,
         reset_num_timesteps: bool = True,
-        tb_log_name: str = "QMIX",
+        tb_log_name: str = "run",
         progress_bar: bool = False,
     ) -> tuple[int, BaseCallback]:
         state_dim = TaskShapes.of(self.observation_space, self.action_space).state_dim
@@ -293,7 +296,12 @@ class QMIX(PlainZipAlgorithm):
         self.policy.optimizer.zero_grad()
         for size in chunk_sizes(batch_size, self.chunk_size):
             batch = self._sample(size)
-            q_total, target = self.learner.q_total(batch), self.learner.target(batch)
+            reward, next_value = batch.reward / self.reward_scale, self.learner.next_value(batch.then)
+            if self.td_lambda is None:
+                target = qmix_target(reward, batch.terminated, next_value, batch.discount)
+            else:
+                target = self.learner.lambda_target(batch, reward, next_value)
+            q_total = self.learner.q_total(batch)
             loss = self.learner.mean_loss(batch, q_total, target)
             (loss * (size / batch_size)).backward()  # type: ignore[no-untyped-call]
         self._n_updates += 1

@@ -10,7 +10,10 @@ DECISION_TICKS = 75  # gamma is the discount of this many ticks (Δt of the pape
 
 
 def row_discount(gamma: float, ticks: float) -> float:
-    """Discount of a transition that took some ticks: gamma^(ticks / 75), so that Δt does not tune the horizon."""
+    """Discount of a transition that took some ticks: gamma^(ticks / 75), so that Δt does not tune the horizon.
+
+    The objective of eq. (4) is gamma = 1.
+    """
     return float(gamma ** (ticks / DECISION_TICKS))
 
 

@@ -10,7 +10,7 @@ from stable_baselines3.common.utils import polyak_update
 from torch import Tensor, nn
 
 from hexwar_sb3.algorithms.replay import Batch, Situation
-from hexwar_sb3.algorithms.td_targets import lambda_returns, qmix_target
+from hexwar_sb3.algorithms.td_targets import lambda_returns
 from hexwar_sb3.errors import ConfigError, TrainingError, UnknownNameError
 from hexwar_sb3.policies.task_policy import TaskPolicy
 
@@ -75,14 +75,7 @@ class TDLearner:
         agent_q = policy.agent_target.q_chosen(then.sets, best).view_as(then.alive)
         return policy.mixer_target(agent_q, then.state, then.alive)
 
-    def target(self, batch: Batch) -> Float[Tensor, "batch value"]:
-        """What the mixed value should be: `qmix_target`, or λ-returns if asked for."""
-        reward, next_value = batch.reward / self.reward_scale, self.next_value(batch.then)
-        if self.td_lambda is None:
-            return qmix_target(reward, batch.terminated, next_value, batch.discount)
-        return self._lambda_target(reward, next_value, batch, self.td_lambda)
-
-    def _lambda_target(self, reward: Tensor, next_value: Tensor, batch: Batch, lambda_: float) -> Tensor:
+    def lambda_target(self, batch: Batch, reward: Tensor, next_value: Tensor) -> Float[Tensor, "batch value"]:
         """λ-returns of the windows, in the batch's flat order."""
         table = (-1, self.window)
         target = lambda_returns(
@@ -91,7 +84,7 @@ class TDLearner:
             batch.terminated.view(table),
             next_value.view(*table, next_value.shape[1]),
             batch.inside.view(table),
-            lambda_,
+            self.td_lambda or 0.0,
         )
         return target.view_as(next_value)
 

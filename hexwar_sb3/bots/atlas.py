@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from hexwar_sb3.bots.config import ATTACK, CONFIG, DEFENCE, compiled
-from hexwar_sb3.bots.records import AROUND, ATLAS, BAND_CELLS, NESTS, POSTS, REACH
+from hexwar_sb3.bots.records import AROUND, ATLAS, BAND_CELLS, NESTS, POSTS, REACH, SPENT
 from hexwar_sb3.engine.pieces import target_class
 from hexwar_sb3.engine.records import NO_CELL
 from hexwar_sb3.engine.sight import line_of_sight
@@ -19,7 +19,7 @@ from hexwar_sb3.engine.world import World
 from hexwar_sb3.kernels import Row, Rows, kernel
 from hexwar_sb3.maps.geometry import cells_apart, frame_cell
 from hexwar_sb3.rules.compiled import NO_POOL
-from hexwar_sb3.rules.enums import Camp, HopClass, PieceType
+from hexwar_sb3.rules.enums import Camp, HopClass, PieceType, Weapon
 from hexwar_sb3.tasks.shots import expected_value
 
 AROUND_CELLS = 5
@@ -144,21 +144,22 @@ def rate_nests(point: int, cells: Rows, los: Rows, worth: Rows) -> None:
 @kernel
 def fill_danger(danger: Rows, rules: Row) -> None:
     """Expected points of the best weapon's shot at each distance: full blood, level ground, no modifiers."""
-    for kind in range(danger.shape[0]):
-        for target in range(danger.shape[1]):
-            for apart in range(REACH):
-                danger[kind, target, apart] = _best_value(kind, target, apart, rules)
+    for target in range(danger.shape[1]):
+        for apart in range(REACH):
+            for kind in range(SPENT):
+                danger[kind, target, apart] = _best_value(kind, True, target, apart, rules)
+            danger[SPENT, target, apart] = _best_value(PieceType.CHARIOT, False, target, apart, rules)
 
 
 @kernel
-def _best_value(kind: int, target: int, apart: int, rules: Row) -> float:
+def _best_value(kind: int, missiles: bool, target: int, apart: int, rules: Row) -> float:
     best = 0.0
     blood = int(rules.blood[kind])
     if apart >= rules.level.shape[3]:
         return best
     for weapon in range(rules.pool.shape[1]):
         level = int(rules.level[weapon, target_class(target), blood, apart])
-        if rules.pool[kind, weapon] == NO_POOL or level == 0:
+        if rules.pool[kind, weapon] == NO_POOL or level == 0 or (weapon == Weapon.HEAVY and not missiles):
             continue
         value = expected_value(weapon, blood, level, 0, target, int(rules.blood[target]), False, rules)
         best = max(best, value)

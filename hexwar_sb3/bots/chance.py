@@ -26,7 +26,7 @@ def draw(count: int, camp: int, game: Row, brain: Row) -> int:
     brain.draws += 1
     key = splitmix64(game.salt[camp] ^ np.uint64(brain.draws))
     high = splitmix64(game.seed ^ key) >> _S32
-    return int((high * np.uint64(count)) >> _S32)
+    return np.int64((high * np.uint64(count)) >> _S32)
 
 
 @kernel

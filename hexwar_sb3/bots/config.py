@@ -36,6 +36,8 @@ class Style:
     always_hide: int  # 1: hides between shots too, 0: only with nobody in sight
     drop_cells: int  # a soldier is set down before a point with known enemies within so many cells
     walk_ticks: int  # longest walk of a soldier to a point that it is to take
+    keep_vehicles: int  # 1: a vehicle stays on an own point where no soldier is
+    carry_delay: float  # the same for a chariot with a soldier aboard
     take_delay: tuple[
         float, float, float, float
     ]  # [piece type] ticks added to its way when a taker is chosen
@@ -48,8 +50,8 @@ ATTACK = Style(
     eta_ticks=60.0,
     move_gain=2.0,
     band_worth=(0.0, 0.0, 0.0, 0.0),
-    enter_ratio=0.7,
-    enter_after=700,
+    enter_ratio=1.0,
+    enter_after=1350,
     fire_value=0.5,
     ambush_value=0.5,
     stop_value=2.5,
@@ -60,6 +62,8 @@ ATTACK = Style(
     always_hide=0,
     drop_cells=6,
     walk_ticks=450,
+    keep_vehicles=0,
+    carry_delay=300.0,
     take_delay=(0.0, 0.0, 0.0, 0.0),
 )
 
@@ -70,8 +74,8 @@ DEFENCE = Style(
     eta_ticks=60.0,
     move_gain=3.0,
     band_worth=(-2.0, 0.0, 1.0, 1.0),
-    enter_ratio=1.3,
-    enter_after=900,
+    enter_ratio=1.5,
+    enter_after=1350,
     fire_value=0.5,
     ambush_value=1.5,
     stop_value=2.5,
@@ -82,6 +86,8 @@ DEFENCE = Style(
     always_hide=1,
     drop_cells=8,
     walk_ticks=450,
+    keep_vehicles=0,
+    carry_delay=300.0,
     take_delay=(300.0, 150.0, 0.0, 0.0),
 )
 
@@ -99,8 +105,10 @@ class BotConfig:
     still_ticks: int = 75  # a target of the mortar has stood so long, and was seen so lately
     safe_cells: int = 2  # from own pieces to the aim of a mortar
     safe_point_cells: int = 12  # an own point is safe with no known enemy so near
+    near_posts: int = 37  # cells around a piece that it looks at as posts
     keeper_cells: int = 1
-    around_cells: int = 6  # known enemies so near to a point count against entering it
+    ride_clear_cells: int = 12  # nobody rides with a known enemy so near
+    around_cells: int = 8  # known enemies so near to a point count against entering it
     own_cells: int = 12  # own pieces so near to it count for
     walk_cells: int = 3  # a soldier walks so far; beyond it rides
     ride_spare_ticks: int = 300

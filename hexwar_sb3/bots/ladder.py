@@ -5,6 +5,7 @@ from __future__ import annotations
 from hexwar_sb3.bots.registry import Bot
 from hexwar_sb3.engine.pieces import on_map
 from hexwar_sb3.engine.records import NO_CELL, NO_PIECE
+from hexwar_sb3.engine.score import points_held
 from hexwar_sb3.kernels import Row, Rows, kernel
 from hexwar_sb3.maps.geometry import cells_apart
 from hexwar_sb3.rules.enums import PieceType
@@ -24,13 +25,16 @@ def climb(
         if not on_map(pieces[i]):
             continue
         if bot == Bot.NEAREST or bot == Bot.DEFENDER:
-            cell = nearest_point(i, bot == Bot.DEFENDER, camp, game, pieces, rules, cells, eta)
+            own = bot == Bot.DEFENDER and points_held(game, camp) > 0
+            cell = nearest_point(i, own, camp, game, pieces, rules, cells, eta)
         else:
             cell = planned_point(bot, i - first, game, pieces[i], atlas)
         if cell == NO_CELL:
             hunt(i, camp, game, pieces, memory, plans, rules, cells, atlas)
         elif pieces[i].passenger != NO_PIECE and pieces[i].cell == cell:
             assign(plans[i], TaskKind.DROP, NO_PIECE, cell, game.tick)
+        elif bot == Bot.DEFENDER and pieces[i].cell == cell:
+            assign(plans[i], TaskKind.HIDE, NO_PIECE, cell, game.tick)
         else:
             assign(plans[i], TaskKind.HOLD, NO_PIECE, cell, game.tick)
 
@@ -52,13 +56,13 @@ def planned_point(bot: int, slot: int, game: Row, piece: Row, atlas: Row) -> int
 
 @kernel
 def nearest_point(
-    i: int, keeps: bool, camp: int, game: Row, pieces: Rows, rules: Row, cells: Rows, eta: Rows
+    i: int, own: bool, camp: int, game: Row, pieces: Rows, rules: Row, cells: Rows, eta: Rows
 ) -> int:
-    """Cell of the control point that is quickest to reach; a defender's own ones count, else only foreign ones."""
+    """Cell of the control point that is quickest to reach, own or foreign; NO_CELL: there is none."""
     best, least = NO_CELL, UNREACHABLE
     piece = pieces[i]
     for k in range(game.n_points):
-        if game.point_owner[k] == camp and not keeps:
+        if (game.point_owner[k] == camp) != own:
             continue
         cell = int(game.point_cell[k])
         ticks = travel_ticks(piece.kind, piece.cell, cell, rules, cells, eta)

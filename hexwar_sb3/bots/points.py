@@ -5,6 +5,7 @@ from __future__ import annotations
 from hexwar_sb3.bots.records import NOBODY
 from hexwar_sb3.bots.weigh import enemy_near, known_power, own_power
 from hexwar_sb3.engine.pieces import on_map
+from hexwar_sb3.engine.records import NO_PIECE
 from hexwar_sb3.kernels import Row, Rows, kernel
 from hexwar_sb3.maps.geometry import cells_apart
 from hexwar_sb3.rules.enums import PieceType
@@ -76,19 +77,21 @@ def choose_people(
     for k in range(game.n_points):
         brain.taker[k], brain.keeper[k] = NOBODY, NOBODY
         if game.point_owner[k] == camp:
-            brain.keeper[k] = best_keeper(k, camp, game, pieces, rules, cells, config)
+            brain.keeper[k] = best_keeper(style, k, camp, game, pieces, rules, cells, config)
         else:
             brain.taker[k] = best_taker(style, k, camp, game, pieces, brain, rules, cells, eta)
 
 
 @kernel
-def best_keeper(k: int, camp: int, game: Row, pieces: Rows, rules: Row, cells: Rows, config: Row) -> int:
+def best_keeper(style: Row, k: int, camp: int, game: Row, pieces: Rows, rules: Row, cells: Rows, config: Row) -> int:
     """Slot of the ground piece of least value that is at an own point, soldiers first; NOBODY."""
     best, least = NOBODY, 0
     first = first_piece(camp, game)
     for i in range(first, end_piece(camp, game)):
         piece = pieces[i]
         if not on_map(piece) or piece.kind == PieceType.AEROCRAFT or piece.passenger >= 0:
+            continue
+        if piece.kind != PieceType.SOLDIER and not style.keep_vehicles:
             continue
         if cells_apart(cells, piece.cell, game.point_cell[k]) > config.keeper_cells:
             continue
@@ -113,6 +116,8 @@ def best_taker(
             continue
         ticks = travel_ticks(piece.kind, piece.cell, game.point_cell[k], rules, cells, eta)
         cost = ticks + style.take_delay[piece.kind]
+        if piece.passenger != NO_PIECE:
+            cost += style.carry_delay
         if piece.kind == PieceType.SOLDIER and ticks > style.walk_ticks:
             continue
         if cost < least and ticks < game.end_tick - game.tick:

@@ -1,12 +1,13 @@
-"""Where a piece fires from: the best post for what it knows (bots.md, sections 2.5 and 3.1)."""
+"""Where a piece fires from: the best post for what it knows (bots.md, sections 1 and 2.5)."""
 
 from __future__ import annotations
 
 from hexwar_sb3.bots.atlas import cell_at
-from hexwar_sb3.bots.weigh import gain_at, threat_at
+from hexwar_sb3.bots.weigh import danger_row, gain_at, guided_gain, threat_at
 from hexwar_sb3.engine.pieces import stands_in
 from hexwar_sb3.engine.records import NO_CELL, NO_PIECE
 from hexwar_sb3.kernels import Row, Rows, kernel
+from hexwar_sb3.rules.enums import PieceType
 from hexwar_sb3.tasks.known import end_piece, first_piece
 from hexwar_sb3.tasks.travel import UNREACHABLE, travel_ticks
 
@@ -23,10 +24,15 @@ def post_score(
     ticks = travel_ticks(piece.kind, piece.cell, cell, rules, cells, eta)
     if ticks >= UNREACHABLE or is_taken(i, cell, camp, game, pieces, brain):
         return WORST
-    gain = gain_at(piece.kind, cell, camp, game, pieces, memory, brain, rules, cells, los, atlas)
+    score = worth - ticks / style.eta_ticks
+    if brain.n_foes == 0:
+        return score
+    row = danger_row(piece, rules)
+    gain = gain_at(piece.kind, row, cell, camp, game, pieces, memory, brain, rules, cells, los, atlas)
+    if piece.kind == PieceType.CHARIOT:
+        gain = max(gain, guided_gain(i, row, cell, camp, game, pieces, memory, brain, cells, atlas))
     threat = threat_at(piece.kind, cell, camp, game, pieces, memory, brain, rules, cells, los, atlas)
-    score = style.gain_weight * gain - style.threat_weight * threat + worth
-    return score - ticks / style.eta_ticks
+    return score + style.gain_weight * gain - style.threat_weight * threat
 
 
 @kernel
@@ -43,27 +49,22 @@ def is_taken(i: int, cell: int, camp: int, game: Row, pieces: Rows, brain: Row) 
 
 @kernel
 def choose_post(
-    style: Row, i: int, camp: int, game: Row, pieces: Rows, memory: Rows, brain: Row,
+    style: Row, i: int, prey: int, camp: int, game: Row, pieces: Rows, memory: Rows, brain: Row,
     rules: Row, cells: Rows, los: Rows, eta: Rows, atlas: Row,
 ) -> int:  # fmt: skip
-    """The best post of piece i: its present one unless another is clearly better."""
-    slot = i - first_piece(camp, game)
-    k = brain.point[slot]
-    present = int(brain.post[slot])
-    best, best_score = int(pieces[i].cell), 0.0
-    best_score = post_score(
+    """The best post of piece i: the one it has unless another is clearly better.
+
+    Args:
+        prey: a known enemy, around which posts are looked for too, or NO_PIECE.
+    """
+    here = int(pieces[i].cell)
+    k = brain.point[i - first_piece(camp, game)]
+    present = int(brain.post[i - first_piece(camp, game)])
+    best = present if present != NO_CELL else here
+    best_score = style.move_gain + post_score(
         style, i, best, lasting_worth(style, best, k, camp, atlas), camp, game, pieces, memory, brain,
         rules, cells, los, eta, atlas,
     )  # fmt: skip
-    if present == best:
-        best_score += style.move_gain
-    elif present != NO_CELL:
-        score = post_score(
-            style, i, present, lasting_worth(style, present, k, camp, atlas), camp, game, pieces, memory, brain,
-            rules, cells, los, eta, atlas,
-        )  # fmt: skip
-        if score + style.move_gain > best_score:
-            best, best_score = present, score + style.move_gain
     for band in range(atlas.post.shape[2]):
         for n in range(atlas.post.shape[3]):
             cell = int(atlas.post[camp, k, band, n])
@@ -72,6 +73,26 @@ def choose_post(
             worth = style.post_weight * atlas.post_worth[camp, k, band, n] + style.band_worth[band]
             score = post_score(
                 style, i, cell, worth, camp, game, pieces, memory, brain, rules, cells, los, eta, atlas
+            )
+            if score > best_score:
+                best, best_score = cell, score
+    if brain.n_foes > 0:
+        for n in range(atlas.config.near_posts):
+            cell = cell_at(here, atlas.around[n, 0], atlas.around[n, 1], camp, cells, atlas)
+            if cell == NO_CELL or cells[cell].passable == 0:
+                continue
+            score = post_score(
+                style, i, cell, 0.0, camp, game, pieces, memory, brain, rules, cells, los, eta, atlas
+            )
+            if score > best_score:
+                best, best_score = cell, score
+    if prey != NO_PIECE:
+        for n in range(atlas.ring.shape[0]):
+            cell = cell_at(memory[camp, prey].cell, atlas.ring[n, 0], atlas.ring[n, 1], camp, cells, atlas)
+            if cell == NO_CELL or cells[cell].passable == 0:
+                continue
+            score = post_score(
+                style, i, cell, 0.0, camp, game, pieces, memory, brain, rules, cells, los, eta, atlas
             )
             if score > best_score:
                 best, best_score = cell, score
@@ -86,25 +107,3 @@ def lasting_worth(style: Row, cell: int, k: int, camp: int, atlas: Row) -> float
             if atlas.post[camp, k, band, n] == cell:
                 return float(style.post_weight * atlas.post_worth[camp, k, band, n] + style.band_worth[band])
     return 0.0
-
-
-@kernel
-def hunting_post(
-    style: Row, i: int, prey: int, camp: int, game: Row, pieces: Rows, memory: Rows, brain: Row,
-    rules: Row, cells: Rows, los: Rows, eta: Rows, atlas: Row,
-) -> int:  # fmt: skip
-    """The best cell around a known enemy, or here."""
-    best = int(pieces[i].cell)
-    best_score = style.move_gain + post_score(
-        style, i, best, 0.0, camp, game, pieces, memory, brain, rules, cells, los, eta, atlas
-    )
-    for n in range(atlas.ring.shape[0]):
-        cell = cell_at(memory[camp, prey].cell, atlas.ring[n, 0], atlas.ring[n, 1], camp, cells, atlas)
-        if cell == NO_CELL or cells[cell].passable == 0:
-            continue
-        score = post_score(
-            style, i, cell, 0.0, camp, game, pieces, memory, brain, rules, cells, los, eta, atlas
-        )
-        if score > best_score:
-            best, best_score = cell, score
-    return best

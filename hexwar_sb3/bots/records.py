@@ -14,6 +14,7 @@ NESTS = 8  # concealed cells near a point, for soldiers
 AROUND = 91  # cells within 5 of a cell, itself included
 RING = 48  # cells 6 to 14 away from an enemy, for hunters
 REACH = 26  # distances 0..25 of the danger table
+SPENT = 4  # row of the danger table for a chariot without missiles
 NOBODY = -1  # no slot
 
 BRAIN = np.dtype(
@@ -26,8 +27,11 @@ BRAIN = np.dtype(
         ("contact_at", "i2"),
         ("point", "i1", (MAX_SIDE,)),  # control point that each piece works for
         ("post", "i2", (MAX_SIDE,)),  # firing cell of each piece; NO_CELL
+        ("dropped_for", "i1", (MAX_SIDE,)),  # control point + 1 that a soldier was set down for; 0: none yet
         ("taker", "i1", (MAX_POINTS,)),  # slot that is to take a point; NOBODY
         ("keeper", "i1", (MAX_POINTS,)),  # slot that is to stay on an own point; NOBODY
+        ("n_foes", "u1"),
+        ("foes", "i1", (MAX_SIDE,)),  # enemies with some trust, at the last thought
         ("trust", "f4", (MAX_PIECES,)),  # in what is known of each enemy, 0..1, at the last thought
         ("allotted", "i2", (MAX_PIECES,)),  # losses expected of the shots given in this step
     ],
@@ -43,18 +47,12 @@ ATLAS = np.dtype(
         ("height", "i2"),
         ("rank", "i1", (MAX_POINTS,)),  # control points, most valuable first
         ("home", "i2", (2,)),  # [camp] cell of its first piece at the start
-        (
-            "post",
-            "i2",
-            (2, MAX_POINTS, BANDS, POSTS),
-        ),  # [camp, point, band] cells with a view of it, best first
+        # [camp, point, band] cells with a view of the point, best first
+        ("post", "i2", (2, MAX_POINTS, BANDS, POSTS)),
         ("post_worth", "f4", (2, MAX_POINTS, BANDS, POSTS)),
         ("nest", "i2", (2, MAX_POINTS, NESTS)),  # [camp, point] concealed cells beside it, best first
-        (
-            "danger",
-            "f4",
-            (4, 4, REACH),
-        ),  # [shooter, target, distance] expected points, full blood, level ground
+        # [shooter or SPENT, target, distance] expected points, full blood, level ground
+        ("danger", "f4", (SPENT + 1, 4, REACH)),
         ("around", "i1", (AROUND, 2)),  # cube steps to the cells within 5, nearest first, red's frame
         ("ring", "i1", (RING, 2)),  # cube steps to cells 6 to 14 away, red's frame
     ],

@@ -11,6 +11,7 @@ from hexwar_sb3.engine.records import NO_CELL
 from hexwar_sb3.kernels import Row, Rows, kernel
 from hexwar_sb3.maps.geometry import NO_DIRECTION, cells_apart, frame_direction
 from hexwar_sb3.tasks.known import armed_level, sees_itself, would_see
+from hexwar_sb3.tasks.progress import is_at_target
 from hexwar_sb3.tasks.records import TaskKind
 from hexwar_sb3.tasks.travel import UNREACHABLE, next_direction, travel_ticks
 
@@ -36,17 +37,6 @@ def heuristic_direction(
         return 0
     covered = plan.covered == 1
     return 1 + next_direction(piece.kind, piece.camp, piece.cell, plan.goal, covered, rules, cells, eta)
-
-
-@kernel
-def is_at_target(kind: int) -> bool:
-    """Kinds whose target is an enemy."""
-    return (
-        kind == TaskKind.ATTACK
-        or kind == TaskKind.GUIDE
-        or kind == TaskKind.BOMBARD
-        or kind == TaskKind.SHADOW
-    )
 
 
 @kernel

@@ -5,21 +5,27 @@ Enemies are read through the camp's memory only. `trust` is the brain's [P], ren
 
 from __future__ import annotations
 
+from hexwar_sb3.bots.records import SPENT
+from hexwar_sb3.engine.pieces import on_map, target_class, weapon_ammo
 from hexwar_sb3.kernels import Row, Rows, kernel
 from hexwar_sb3.maps.geometry import cells_apart
-from hexwar_sb3.rules.enums import PieceType
-from hexwar_sb3.tasks.known import end_piece, first_piece, has_line_from, is_known, reach_of_sight
+from hexwar_sb3.rules.enums import PieceType, TargetClass, Weapon
+from hexwar_sb3.tasks.known import end_piece, first_piece, has_line_from, is_known, reach_of_sight, sees_itself
 
 
 @kernel
 def renew_trust(camp: int, game: Row, pieces: Rows, memory: Rows, brain: Row, config: Row) -> None:
     """How much each enemy's last known place still says: 1 seen now, 0 after `trust_ticks` or never seen."""
+    brain.n_foes = 0
     for j in range(first_piece(1 - camp, game), end_piece(1 - camp, game)):
         known = memory[camp, j]
         brain.trust[j] = 0.0
         if is_known(known):
             age = 0.0 if known.seen else float(game.tick - known.tick)
             brain.trust[j] = max(0.0, 1.0 - age / config.trust_ticks)
+        if brain.trust[j] > 0.0:
+            brain.foes[brain.n_foes] = j
+            brain.n_foes += 1
 
 
 @kernel
@@ -38,10 +44,9 @@ def threat_at(
 ) -> float:  # fmt: skip
     """Points that known enemies may be expected to cost an unhidden piece in a cell, one round of shots."""
     total = 0.0
-    for j in range(first_piece(1 - camp, game), end_piece(1 - camp, game)):
+    for n in range(brain.n_foes):
+        j = brain.foes[n]
         trust = brain.trust[j]
-        if trust <= 0.0:
-            continue
         known = memory[camp, j]
         enemy = pieces[j].kind
         apart = cells_apart(cells, cell, known.cell)
@@ -54,28 +59,61 @@ def threat_at(
 
 
 @kernel
+def danger_row(piece: Row, rules: Row) -> int:
+    """Row of the danger table for an own piece: a chariot without missiles is another shooter."""
+    if piece.kind == PieceType.CHARIOT and weapon_ammo(piece, Weapon.HEAVY, rules) == 0:
+        return SPENT
+    return int(piece.kind)
+
+
+@kernel
 def gain_at(
-    kind: int, cell: int, camp: int, game: Row, pieces: Rows, memory: Rows, brain: Row,
+    kind: int, row: int, cell: int, camp: int, game: Row, pieces: Rows, memory: Rows, brain: Row,
     rules: Row, cells: Rows, los: Rows, atlas: Row,
 ) -> float:  # fmt: skip
-    """Expected points of the best shot from a cell at a known enemy, plus a share of the second best."""
+    """Expected points of the best shot from a cell at a known enemy, plus a share of the second best.
+
+    Args:
+        row: row of the danger table, the kind of the shooter or SPENT.
+    """
     best, second = 0.0, 0.0
-    for j in range(first_piece(1 - camp, game), end_piece(1 - camp, game)):
+    for n in range(brain.n_foes):
+        j = brain.foes[n]
         trust = brain.trust[j]
-        if trust <= 0.0:
-            continue
         known = memory[camp, j]
         target = pieces[j].kind
         apart = cells_apart(cells, cell, known.cell)
         if apart >= atlas.danger.shape[2] or apart > reach_of_sight(kind, cell, target, known, rules, cells):
             continue
-        value = trust * atlas.danger[kind, target, apart]
+        value = trust * atlas.danger[row, target, apart]
         if value > second and has_line_from(kind, cell, target, known.cell, los):
             if value > best:
                 best, second = value, best
             else:
                 second = value
     return best + 0.3 * second
+
+
+@kernel
+def guided_gain(
+    c: int, row: int, cell: int, camp: int, game: Row, pieces: Rows, memory: Rows, brain: Row, cells: Rows, atlas: Row
+) -> float:
+    """Expected points of the best missile that chariot c could launch from a cell, guided by its soldier."""
+    best = 0.0
+    if row == SPENT:
+        return best
+    for s in range(first_piece(camp, game), end_piece(camp, game)):
+        soldier = pieces[s]
+        if soldier.home != c or not on_map(soldier) or soldier.sees == 0:
+            continue
+        for n in range(brain.n_foes):
+            j = brain.foes[n]
+            if not sees_itself(soldier, j) or target_class(pieces[j].kind) != TargetClass.VEHICLE:
+                continue
+            apart = cells_apart(cells, cell, memory[camp, j].cell)
+            if apart < atlas.danger.shape[2]:
+                best = max(best, float(brain.trust[j] * atlas.danger[row, pieces[j].kind, apart]))
+    return best
 
 
 @kernel
@@ -108,9 +146,10 @@ def known_power(
 ) -> float:
     """Power of known enemies within some cells of a cell, weighted by trust."""
     total = 0.0
-    for j in range(first_piece(1 - camp, game), end_piece(1 - camp, game)):
+    for n in range(brain.n_foes):
+        j = brain.foes[n]
         known = memory[camp, j]
-        if brain.trust[j] > 0.0 and cells_apart(cells, known.cell, cell) <= within:
+        if cells_apart(cells, known.cell, cell) <= within:
             total += brain.trust[j] * weight_of(pieces[j].kind, known.blood, rules)
     return total
 
@@ -120,9 +159,8 @@ def enemy_near(
     cell: int, within: int, camp: int, game: Row, pieces: Rows, memory: Rows, brain: Row, cells: Rows
 ) -> bool:
     """A known enemy ground piece is within some cells of a cell."""
-    for j in range(first_piece(1 - camp, game), end_piece(1 - camp, game)):
-        if brain.trust[j] <= 0.0 or pieces[j].kind == PieceType.AEROCRAFT:
-            continue
-        if cells_apart(cells, memory[camp, j].cell, cell) <= within:
+    for n in range(brain.n_foes):
+        j = brain.foes[n]
+        if pieces[j].kind != PieceType.AEROCRAFT and cells_apart(cells, memory[camp, j].cell, cell) <= within:
             return True
     return False

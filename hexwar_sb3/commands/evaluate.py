@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Literal
 
 import tyro
@@ -60,6 +61,7 @@ class Match:
     scenario: ScenarioName = "plain"
     games: Games = 2000
     seed: Seed = 0
+    record: Path | None = None  # file (*.hwr) that gets the first game
     json: Json = False
 
     def run(self) -> int:
@@ -67,6 +69,8 @@ class Match:
         from hexwar_sb3.evaluation.matches import play_match
 
         match = play_match(self.red, self.blue, games=self.games, scenario=self.scenario, seed=self.seed)
+        if self.record is not None:
+            self._write_first_game(self.record)
         summary = match.summary()
         if self.json:
             print_json(summary)
@@ -74,3 +78,9 @@ class Match:
             rows = [[camp, summary[camp]["player"], *result_cells(summary[camp])] for camp in ("red", "blue")]
             print(table(("camp", "player", *COUNTS), rows))
         return 0
+
+    def _write_first_game(self, path: Path) -> None:
+        from hexwar_sb3.evaluation.seeds import Purpose, seed_for
+        from hexwar_sb3.play.recording import record_game
+
+        record_game(self.red, self.blue, self.scenario, seed_for(Purpose.REPORT, self.seed)).save(path)

@@ -52,20 +52,11 @@ class Train:
     progress: Annotated[bool, tyro.conf.arg(aliases=("-P",))] = False  # show a progress bar
     json: Json = False
 
-    def __post_init__(self) -> None:
-        """Check the ranges that nothing below checks.
-
-        Raises:
-            ConfigError: a count is not positive.
-        """
-        for field in ("n_timesteps", "n_envs", "eval_freq", "eval_games", "save_freq", "final_games"):
-            if getattr(self, field) < 1:
-                raise ConfigError(f"{field} must be at least 1, got {getattr(self, field)}")
-
     def run(self) -> int:
         """Train, or go on with a training."""
         from hexwar_sb3.commands.training import make_env, train
 
+        self._check()
         if self.resume is not None:
             folder = RunFolder(self.resume)
             settings = settings_from(folder)
@@ -75,6 +66,11 @@ class Train:
         folder = RunFolder.new(self.runs, self.name)
         folder.write_config(self, " ".join(["hexwar", *sys.argv[1:]]))
         return train(self, env, folder)
+
+    def _check(self) -> None:
+        for name in ("n_timesteps", "n_envs", "eval_freq", "eval_games", "save_freq", "final_games"):
+            if getattr(self, name) < 1:
+                raise ConfigError(f"{name} must be at least 1, got {getattr(self, name)}")
 
     @property
     def learner(self) -> dict[str, Any]:

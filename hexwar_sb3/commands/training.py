@@ -58,6 +58,8 @@ def train(settings: Train, env: VecEnv, folder: RunFolder) -> int:
             else "\nstopped, nothing saved"
         )
         return INTERRUPTED
+    finally:
+        model.logger.close()
     model.save(folder.model)
     for camp in camps(settings):
         path = folder.replays / f"{camp}_against_{Path(settings.opponents[0]).name}.hwr"

@@ -91,7 +91,9 @@ class Editor:
             if pieces[i].blood == 0:
                 die_with_passenger(i, game, pieces, log)
         close_fights(game, pieces)
+        running = game.fight_cell.copy()
         open_fights(game, pieces, log)
+        game.fight_next[game.fight_cell != running] = game.tick  # contact is in this state
         start_hops(game.tick, game, pieces, paths, log, rules, cells)
         look_all(pieces, rules, cells, los)
         remember(game, pieces, memory, paths, cells)
@@ -119,7 +121,7 @@ class Editor:
 
     def set_cell(self, name: str, value: Value) -> None:
         """Put the piece, and its passenger, into the middle of a cell."""
-        i, piece = self._piece(name)
+        _, piece = self._piece(name)
         piece.cell = self.roster.cell(value)
         self.set_path(name, [])
         if piece.passenger != NO_PIECE:

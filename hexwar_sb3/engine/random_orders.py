@@ -7,39 +7,30 @@ import numpy as np
 from hexwar_sb3.engine.codes import Code
 from hexwar_sb3.engine.dice import splitmix64
 from hexwar_sb3.engine.legality import order_code
-from hexwar_sb3.engine.records import NO_CELL
+from hexwar_sb3.engine.records import MAX_PIECES, NO_CELL
 from hexwar_sb3.kernels import Row, Rows, kernel
 from hexwar_sb3.maps.geometry import DIRECTION_NAMES, cells_apart
 from hexwar_sb3.rules.compiled import NO_POOL
-from hexwar_sb3.rules.enums import Action
+from hexwar_sb3.rules.enums import Action, Camp
 
 _N_DIRECTIONS = len(DIRECTION_NAMES)
 _TRIES = 32  # candidates for a piece before it does nothing; the first half of them tries to act
 _DRAWS = 16  # random numbers of one candidate
 _LONGEST_PATH = 6
 _CHASES = 2 * _N_DIRECTIONS  # half of the paths lead towards a piece
-_STOPS = 8  # one stop order in so many is given
+_STOPS = 4  # one stop order in so many is given
 _TOP_BITS = np.uint64(33)  # leaves 31 bits: a whole number in any integer type
 _ACTS = (
     Action.SHOOT,
+    Action.GUIDE_SHOOT,
     Action.GUIDE_SHOOT,
     Action.GET_ON,
     Action.GET_OFF,
     Action.OCCUPY,
     Action.DECOMPRESS,
     Action.INDIRECT_SHOOT,
-    Action.SHOOT,
 )
-_MOVES = (
-    Action.MOVE,
-    Action.MOVE,
-    Action.MOVE,
-    Action.STOP,
-    Action.HIDE,
-    Action.NULL,
-    Action.NULL,
-    Action.NULL,
-)
+_MOVES = (Action.MOVE, Action.MOVE, Action.STOP, Action.HIDE, *(Action.NULL,) * 12)
 
 
 @kernel
@@ -50,9 +41,7 @@ def draw(seed: np.uint64, tick: int, i: int, n: int, below: int) -> int:
 
 
 @kernel
-def random_orders(
-    seed: np.uint64, game: Row, pieces: Rows, orders: Rows, rules: Row, cells: Rows
-) -> None:
+def random_orders(seed: np.uint64, game: Row, pieces: Rows, orders: Rows, rules: Row, cells: Rows) -> None:
     """Give the pieces of both camps random legal orders; the same seed and state give the same."""
     for i in range(pieces.size):
         order = orders[i]
@@ -69,16 +58,29 @@ def propose(
 ) -> None:
     """Write the nth random order for piece i, legal or not."""
     tick, n0 = game.tick, n * _DRAWS
-    pick = draw(seed, tick, i, n0, len(_ACTS))
-    order.kind = int(_ACTS[pick] if n * 2 < _TRIES else _MOVES[pick])
+    if n * 2 < _TRIES:
+        order.kind = int(_ACTS[draw(seed, tick, i, n0, len(_ACTS))])
+    else:
+        order.kind = int(_MOVES[draw(seed, tick, i, n0, len(_MOVES))])
     order.weapon = carried(pieces[i], draw(seed, tick, i, n0 + 1, rules.pool.shape[1]), rules)
-    order.target = draw(seed, tick, i, n0 + 2, pieces.size)
-    order.partner = draw(seed, tick, i, n0 + 3, pieces.size)
+    boards = order.kind == Action.GET_ON or order.kind == Action.GET_OFF
+    order.target = any_of(
+        pieces[i].camp if boards else 1 - pieces[i].camp, draw(seed, tick, i, n0 + 2, MAX_PIECES), game
+    )
+    order.partner = any_of(pieces[i].camp, draw(seed, tick, i, n0 + 3, MAX_PIECES), game)
     order.cell = draw(seed, tick, i, n0 + 4, cells.size)
     order.path_len = 1 + draw(seed, tick, i, n0 + 5, _LONGEST_PATH)
     walk(order, pieces[i].cell, pieces[order.target].cell, draw(seed, tick, i, n0 + 6, _CHASES), cells)
     if order.kind == Action.STOP and draw(seed, tick, i, n0 + 7, _STOPS) > 0:
         order.kind = int(Action.NULL)
+
+
+@kernel
+def any_of(camp: int, number: int, game: Row) -> int:
+    """A piece of the camp by any number."""
+    if camp == Camp.RED:
+        return number % game.n_red
+    return game.n_red + number % (game.n_pieces - game.n_red)
 
 
 @kernel

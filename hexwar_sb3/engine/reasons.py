@@ -54,7 +54,7 @@ SENTENCES: dict[Code, str] = {
     Code.TARGET_GONE: "{target} is not in sight of {piece}; a target must be alive and seen by {piece} itself",
     Code.NOT_ENEMY: "{target} is of the same camp as {piece}; a target must be an enemy",
     Code.TARGET_IN_FIGHT: "{target} is in close combat; nobody outside may fire at it directly",
-    Code.OUT_OF_RANGE: "{aim} is {apart} cells away from {armed}; {weapon} reaches {reach}",
+    Code.OUT_OF_RANGE: "{aim} is at distance {apart} from {armed}; {weapon} reaches {reach}",
     Code.LEVEL_ZERO: "{aim} stands {uphill} levels above {armed} at {apart} cells; that leaves {weapon} no attack level, it needs 1",
     Code.WRONG_TYPE: "{wrong_type}",
     Code.WRONG_PARTNER: "{partner} does not fit: {piece} can {verb} only with {partners}",

@@ -88,7 +88,8 @@ def parse_board(text: str) -> Board:
         try:
             _parse_line(board, words[0], words[1:])
         except (ConfigError, IndexError, ValueError) as error:
-            raise ConfigError(f"board, line {number}: {line.strip()!r}: {error}") from error
+            problem = "a word is missing at its end" if isinstance(error, IndexError) else error
+            raise ConfigError(f"board, line {number}: {line.strip()!r}: {problem}") from error
     return board
 
 

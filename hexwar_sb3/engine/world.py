@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
 from pathlib import Path
 from typing import Any
@@ -73,15 +73,33 @@ def load_world(scenario: str | Path | Scenario, ruleset: RuleSet | None = None) 
         UnknownNameError: no such scenario.
         ScenarioFileError: a broken file.
     """
-    if isinstance(scenario, Scenario):
-        return _world(scenario, ruleset or default_rules())
-    return _named_world(str(scenario), ruleset or default_rules())
+    if not isinstance(scenario, Scenario):
+        is_file = str(scenario).endswith(".json")  # may change while we run
+        scenario = load_scenario(scenario) if is_file else _builtin(str(scenario))
+    return _world(_Content.of(scenario, ruleset or default_rules()))
 
 
 @lru_cache(maxsize=8)
-def _named_world(name: str, ruleset: RuleSet) -> World:
-    return _world(load_scenario(name), ruleset)
+def _builtin(name: str) -> Scenario:
+    return load_scenario(name)
 
 
-def _world(scenario: Scenario, ruleset: RuleSet) -> World:
+@dataclass(frozen=True)
+class _Content:
+    """A scenario under rules, equal where everything that matters is equal."""
+
+    names: tuple[str, str]
+    hashes: tuple[str, str]
+    scenario: Scenario = field(compare=False)
+    ruleset: RuleSet = field(compare=False)
+
+    @classmethod
+    def of(cls, scenario: Scenario, ruleset: RuleSet) -> _Content:
+        names = scenario.name, scenario.hexmap.name
+        return cls(names, (scenario.hash, ruleset.hash), scenario, ruleset)
+
+
+@lru_cache(maxsize=8)
+def _world(content: _Content) -> World:
+    scenario, ruleset = content.scenario, content.ruleset
     return World(scenario, ruleset, Terrain(scenario.hexmap, ruleset))

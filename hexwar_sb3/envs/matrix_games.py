@@ -38,17 +38,18 @@ class MatrixGame(ParallelEnv[str, Features, int]):  # type: ignore[misc]  # Pett
     metadata: ClassVar[dict[str, Any]] = {"name": "matrix_game", "render_modes": []}
 
     def __init__(self, n_actions: int, n_features: int) -> None:
-        self.n_actions, self.n_features = n_actions, n_features
         self.possible_agents = list(AGENTS)
+        self.observation_spaces = {name: spaces.Box(0.0, 1.0, (n_features,)) for name in AGENTS}
+        self.action_spaces = {name: spaces.Discrete(n_actions) for name in AGENTS}
         self.agents: list[str] = []
 
     def observation_space(self, agent: str) -> spaces.Box:
         """The state itself."""
-        return spaces.Box(0.0, 1.0, (self.n_features,))
+        return self.observation_spaces[agent]
 
     def action_space(self, agent: str) -> spaces.Discrete:
         """A row or a column of the table."""
-        return spaces.Discrete(self.n_actions)
+        return self.action_spaces[agent]
 
     @abstractmethod
     def begin(self) -> None:

@@ -102,7 +102,7 @@ class TaskParallelEnv(ParallelEnv[str, Obs, int]):  # type: ignore[misc]  # Pett
 
     def state(self) -> NDArray[Any]:
         """The truth, in the first camp's frame [Ds]; for training only."""
-        return self.sights[self.camps[0]].state[0].copy()
+        return self.sights[self.camps[0]].obs["state"][0].copy()
 
     def render(self) -> None:
         """Nothing is drawn here: see `Game` for pictures."""

@@ -43,10 +43,12 @@ class TaskEnv(gymnasium.Env[Obs, NDArray[np.int64]]):
         """Play one decision (Delta-t ticks) with a task index per piece; the last tick is the end."""
         span = self.games.play(np.asarray(action)[None])
         over = bool(span.over[0])
+        obs = self._observe()
         info: dict[str, Any] = {"ticks": int(span.ticks[0]), "illegal_actions": int(span.illegal[0])}
+        info["current_tasks"] = self.games.current_tasks({key: value[None] for key, value in obs.items()})[0]
         if over:
             info |= self.games.outcome(0)
-        return self._observe(), float(span.reward[0]), over, False, info
+        return obs, float(span.reward[0]), over, False, info
 
     def action_masks(self) -> NDArray[np.bool_]:
         """Valid tasks, pieces one after the other [N * K] (sb3-contrib)."""

@@ -19,9 +19,12 @@ from hexwar_sb3.play.player import BotPlayer, Seat, make_mixture, make_player
 from hexwar_sb3.play.seeds import check_seed, check_whole, episode_draw, game_seed
 from hexwar_sb3.play.warm import WARM_TICKS, send_out
 from hexwar_sb3.rules.enums import Camp
+from hexwar_sb3.tasks.features import index
 from hexwar_sb3.tasks.records import MAX_TASKS
 
 Obs = dict[str, NDArray[Any]]
+
+_UNDER_WAY = index("row", 1, 1, 1)["task: under way"].start  # column of a task row
 
 _DEMO_STREAM, _WARM_STREAM = 2, 3  # of an episode's draws; 1 is the opponent's
 
@@ -93,6 +96,8 @@ class TaskGames:
     def play(self, actions: NDArray[Any]) -> Span:
         """Play one decision: give the tasks, advance to the learner's next decision or the end.
 
+        The reward is the margin's gain, eq. (3).
+
         Args:
             actions: task indices [n, N].
         """
@@ -120,6 +125,11 @@ class TaskGames:
             "side": camp_name(int(camps[0])),
             "opponent": _label(self.mixture.players[self.opponents[b]]),
         }
+
+    def current_tasks(self, obs: Obs) -> NDArray[np.int64]:
+        """Row of each piece's task under way in the task sets of an observation; -1: it is not there [n, N]."""
+        same = (obs["tasks"][..., _UNDER_WAY] > 0) & (obs["action_mask"] != 0)
+        return np.where(same.any(axis=-1), same.argmax(axis=-1), -1)
 
     def margins(self) -> NDArray[np.int64]:
         """The learner's true margin in every game, points [n]."""

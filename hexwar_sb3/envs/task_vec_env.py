@@ -49,7 +49,8 @@ class TaskVecEnv(VecEnv):
         span = self.games.play(np.asarray(self._actions))
         self.games.turn()
         obs = self.games.look(self.games.all)
-        infos = [self._info(b, span, obs) for b in range(self.num_envs)]
+        current = self.games.current_tasks(obs)
+        infos = [self._info(b, span, obs) | {"current_tasks": current[b]} for b in range(self.num_envs)]
         ended = self.games.all[span.over]
         if ended.size:
             self.games.begin(ended)

@@ -13,6 +13,7 @@ from hexwar_sb3.bots.atlas import make_atlas
 from hexwar_sb3.bots.records import BRAIN
 from hexwar_sb3.engine.records import NEVER
 from hexwar_sb3.engine.score import margin, points_held
+from hexwar_sb3.engine.sight import remember
 from hexwar_sb3.engine.state import State, new_state, seed_game
 from hexwar_sb3.engine.world import World
 from hexwar_sb3.kernels import Rows, kernel
@@ -52,7 +53,7 @@ class Arena:
         self.brains = np.zeros((n_games, 2), BRAIN).view(np.recarray)
         self.drives = np.zeros(n_games, DRIVE).view(np.recarray)
         self.players: list[list[Player | None]] = [[None, None] for _ in range(n_games)]
-        self._start = new_state(world, 1)
+        self._start = _start(world, setup)
         self._sights: dict[int, Sight] = {}
         self.atlas = make_atlas(world)
         self._spots = load_spots(world)
@@ -60,13 +61,11 @@ class Arena:
     def begin(self, b: int, seed: int, red: Seat | None, blue: Seat | None) -> None:
         """Put game b back to tick 0 with a seed for its dice, and seat its two players."""
         self.state.copy_from(self._start, b, 0)
-        game, drive = self.state.games[b], self.drives[b]
-        seed_game(game, np.uint64(seed))
-        game.net_score, game.fog = self.setup.net_score, self.setup.fog
+        seed_game(self.state.games[b], np.uint64(seed))
         clear_plans(self.plans[b])
         self.brains[b] = np.zeros(2, BRAIN)
         self.drives[b] = np.zeros((), DRIVE)
-        drive.period, drive.early = self.setup.decision_ticks, self.setup.early
+        self.drives[b].period, self.drives[b].early = self.setup.decision_ticks, self.setup.early
         for camp, seat in enumerate((red, blue)):
             self.sit(b, camp, seat)
 
@@ -102,6 +101,7 @@ class Arena:
             slots, which, camps, state.games, state.pieces, state.memory, self.plans,
             world.rules, world.cells, world.los, world.eta, self._spots, *sight.out,
         )  # fmt: skip
+        sight.publish(slots)
 
     def choose(
         self, slots: Games, which: Games, camps: NDArray[np.int64], actions: NDArray[Any], sight: Sight
@@ -177,6 +177,15 @@ class Arena:
     def _arrays(self) -> Snapshot:
         state = {field.name: getattr(self.state, field.name) for field in fields(State)}
         return {**state, "plans": self.plans, "brains": self.brains, "drives": self.drives}
+
+
+def _start(world: World, setup: Setup) -> State:
+    """Tick 0 of every game of an arena."""
+    state = new_state(world, 1)
+    game, pieces, memory, paths, *_ = state.game(0)
+    game.net_score, game.fog = setup.net_score, setup.fog
+    remember(game, pieces, memory, paths, world.cells)
+    return state
 
 
 @kernel

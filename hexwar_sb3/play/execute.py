@@ -20,12 +20,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from hexwar_sb3.bots.routes import heuristic_direction, is_at_target
-from hexwar_sb3.engine.pieces import has_path, in_fight, is_settled, on_map, weapon_ammo
-from hexwar_sb3.engine.records import MAX_PIECES, NO_CELL, NO_PIECE
+from hexwar_sb3.bots.routes import heuristic_direction
+from hexwar_sb3.engine.codes import Code
+from hexwar_sb3.engine.legality import occupy_code
+from hexwar_sb3.engine.pieces import has_path, in_fight, is_settled, on_map
+from hexwar_sb3.engine.records import MAX_PIECES, NEVER, NO_CELL, NO_PIECE
 from hexwar_sb3.kernels import Row, Rows, kernel
 from hexwar_sb3.rules.enums import Action, PieceType, Weapon
-from hexwar_sb3.tasks.known import can_hurt, end_piece, first_piece, is_known
+from hexwar_sb3.tasks.known import end_piece, first_piece
 from hexwar_sb3.tasks.phi import (
     give,
     give_guided,
@@ -35,8 +37,8 @@ from hexwar_sb3.tasks.phi import (
     may_turn_back,
     phi,
 )
+from hexwar_sb3.tasks.progress import can_end, end_task
 from hexwar_sb3.tasks.records import ENDED, STAYING, WALKING, TaskKind
-from hexwar_sb3.tasks.sets import has_launcher
 from hexwar_sb3.tasks.shots import best_guided, best_shot, expect_loss
 
 GUIDE_SHARE = 0.8  # a chariot whose own shot is worth this share of the guided one fires itself
@@ -49,22 +51,38 @@ def execute_tasks(
 ) -> None:  # fmt: skip
     """Fill orders[] of a camp's pieces from their tasks; pieces that already have an order keep it."""
     first, end = first_piece(camp, game), end_piece(camp, game)
-    allotted = np.zeros(MAX_PIECES, np.int64)
     for i in range(first, end):
-        end_task(i, game, pieces, memory, plans, rules)
-        if needs_answer(i, game, pieces, plans):
+        if can_end(pieces[i], plans[i]):
+            end_task(i, game, pieces, memory, plans, rules)
+        if needs_answer(pieces[i], plans[i], game.tick):
             ask_lower(i, game, pieces, memory, plans, rules, cells, los, eta)
+    allotted = np.zeros(MAX_PIECES, np.int64)
     taken = claimed(first, end, orders)
     for i in range(first, end):
-        if orders[i].kind == Action.NULL and on_map(pieces[i]) and (taken >> i) & 1 == 0:
+        if seeks_partner(plans[i]) and orders[i].kind == Action.NULL and (taken >> i) & 1 == 0:
             partner = order_with_partner(
                 i, taken, allotted, game, pieces, memory, orders, plans, rules, cells
             )
             if partner != NO_PIECE:
                 taken |= 1 << partner
     for i in range(first, end):
-        if orders[i].kind == Action.NULL and on_map(pieces[i]) and (taken >> i) & 1 == 0:
+        if orders[i].kind == Action.NULL and (taken >> i) & 1 == 0 and may_act(pieces[i], plans[i], game):
             order_piece(i, allotted, game, pieces, memory, paths, rounds, orders, plans, rules, cells)
+
+
+@kernel
+def may_act(piece: Row, plan: Row, game: Row) -> bool:
+    """A quick no for most pieces at most events: nothing could be ordered now anyway."""
+    if not on_map(piece):
+        return False
+    if piece.sees != 0 and piece.cool_ends == NEVER:
+        return True
+    if has_path(piece) and not piece.waiting:
+        news = game.contact_tick[piece.camp] == game.tick or piece.arrived_at == game.tick
+        return news or plan.kind == TaskKind.STOP
+    if plan.direction > 0 or occupy_code(piece, game) == Code.OK:
+        return True
+    return plan.state == STAYING and plan.kind != TaskKind.HOLD and plan.kind != TaskKind.ATTACK
 
 
 @kernel
@@ -80,48 +98,13 @@ def claimed(first: int, end: int, orders: Rows) -> int:
 
 
 @kernel
-def is_over(i: int, game: Row, pieces: Rows, memory: Rows, plans: Rows, rules: Row) -> bool:
-    """The task is done, or has become impossible."""
-    piece = pieces[i]
-    plan = plans[i]
-    if not on_map(piece):
-        return True
-    if is_at_target(plan.kind) and not is_known(memory[piece.camp, plan.target]):
-        return True
-    if plan.kind == TaskKind.ATTACK:
-        return not can_hurt(piece, pieces[plan.target].kind, rules)
-    if plan.kind == TaskKind.GUIDE:
-        return not has_launcher(i, game, pieces, rules)
-    if plan.kind == TaskKind.BOMBARD:
-        return weapon_ammo(piece, Weapon.MORTAR, rules) == 0
-    if plan.kind == TaskKind.BOARD:
-        carrier = pieces[plan.target]
-        return carrier.blood == 0 or carrier.passenger != NO_PIECE
-    if plan.kind == TaskKind.DROP:
-        return piece.passenger == NO_PIECE
-    if plan.kind == TaskKind.RECOVER:
-        return not piece.suppressed
-    return plan.kind == TaskKind.STOP and not has_path(piece)
-
-
-@kernel
-def end_task(i: int, game: Row, pieces: Rows, memory: Rows, plans: Rows, rules: Row) -> None:
-    """Mark a task that is over; the piece then stays where it is."""
-    if plans[i].state != ENDED and is_over(i, game, pieces, memory, plans, rules):
-        plans[i].state = ENDED
-        plans[i].direction = 0
-
-
-@kernel
-def needs_answer(i: int, game: Row, pieces: Rows, plans: Rows) -> bool:
+def needs_answer(piece: Row, plan: Row, tick: int) -> bool:
     """The piece has just arrived in a cell or been given its task, and stands at a cell's centre."""
-    piece = pieces[i]
-    plan = plans[i]
-    if plan.state == ENDED or plan.asked_at == game.tick:
+    if plan.state == ENDED or plan.asked_at == tick:
         return False
     if has_path(piece) and not piece.waiting:
         return plan.kind == TaskKind.STOP
-    return piece.arrived_at == game.tick or plan.chosen_at == game.tick
+    return piece.arrived_at == tick or plan.chosen_at == tick
 
 
 @kernel
@@ -135,6 +118,12 @@ def ask_lower(
     if plan.kind != TaskKind.STOP and plan.kind != TaskKind.RECOVER:
         plan.direction = heuristic_direction(i, pieces, memory, plans, rules, cells, los, eta)
     plan.state = STAYING if plan.direction == 0 else WALKING
+
+
+@kernel
+def seeks_partner(plan: Row) -> bool:
+    """The task's action lays hands on a chariot, and the piece is at its place."""
+    return plan.state == STAYING and (plan.kind == TaskKind.BOARD or plan.kind == TaskKind.GUIDE)
 
 
 @kernel
@@ -152,14 +141,10 @@ def order_with_partner(
 ) -> int:
     """Guide or board, where that is the task and legal now; the chariot it takes, or NO_PIECE."""
     plan = plans[i]
-    if plan.state != STAYING:
-        return NO_PIECE
     if plan.kind == TaskKind.BOARD:
         free = orders[plan.target].kind == Action.NULL and (taken >> int(plan.target)) & 1 == 0
         given = free and phi(i, 0, game, pieces, memory, orders, plans, rules, cells)
         return int(plan.target) if given else NO_PIECE
-    if plan.kind != TaskKind.GUIDE:
-        return NO_PIECE
     value, target, chariot = best_guided(
         i, plan.target, taken, allotted, game, pieces, memory, orders, rules, cells
     )
@@ -216,9 +201,17 @@ def order_piece(
         if not moves and not settled:
             fire(i, allotted, game, pieces, memory, orders, plans, rules, cells)
     elif settled or not fire(i, allotted, game, pieces, memory, orders, plans, rules, cells):
-        hiding = plan.kind == TaskKind.HIDE or plan.kind == TaskKind.SHADOW
-        if plan.state == STAYING and not (hiding and is_awaited(i, game, pieces, plans)):
+        if plan.state == STAYING and acts_alone(i, game, pieces, plans):
             phi(i, 0, game, pieces, memory, orders, plans, rules, cells)
+
+
+@kernel
+def acts_alone(i: int, game: Row, pieces: Rows, plans: Rows) -> bool:
+    """The task's action needs no partner, and nobody who needs this chariot would miss it."""
+    kind = plans[i].kind
+    if kind == TaskKind.HIDE or kind == TaskKind.SHADOW:
+        return not is_awaited(i, game, pieces, plans)
+    return kind != TaskKind.BOARD and kind != TaskKind.GUIDE
 
 
 @kernel

@@ -40,21 +40,34 @@ class Sight:
         width = camp_sizes(world, camp)
         n_own = len(world.piece_names(camp))
         self.rows = np.zeros((n, n_own, MAX_TASKS), TASK).view(np.recarray)
-        self.obs: dict[str, NDArray[Any]] = {
-            "obs": np.zeros((n, n_own, width.obs), dtype),
-            "tasks": np.zeros((n, n_own, MAX_TASKS, width.row), dtype),
+        self._full: dict[str, NDArray[Any]] = {
+            "obs": np.zeros((n, n_own, width.obs), np.float32),
+            "tasks": np.zeros((n, n_own, MAX_TASKS, width.row), np.float32),
             "action_mask": np.zeros((n, n_own, MAX_TASKS), np.int8),
-            "alive": np.zeros((n, n_own), dtype),
+            "alive": np.zeros((n, n_own), np.float32),
+            "state": np.zeros((n, width.state if with_state else 0), np.float32),
         }
-        self.state = np.zeros((n, width.state if with_state else 0), dtype)
-        if with_state:
-            self.obs["state"] = self.state
+        self.obs = {key: _in_dtype(value, dtype) for key, value in self._full.items()}
+        if not with_state:
+            del self.obs["state"]
 
     @property
     def out(self) -> tuple[NDArray[Any], ...]:
-        """The buffers in the order in which `look_batch` takes them."""
-        obs = self.obs
-        return self.rows, obs["action_mask"], obs["obs"], obs["tasks"], obs["alive"], self.state
+        """The buffers that `look_batch` fills, in its order."""
+        full = self._full
+        return self.rows, full["action_mask"], full["obs"], full["tasks"], full["alive"], full["state"]
+
+    def publish(self, slots: NDArray[np.int64]) -> None:
+        """Bring what `look_batch` wrote to `obs`, where that has another precision."""
+        for key, value in self.obs.items():
+            if value is not self._full[key]:
+                value[slots] = self._full[key][slots]
+
+
+def _in_dtype(full: NDArray[Any], dtype: str) -> NDArray[Any]:
+    """The array itself, or one for its numbers in half precision (kernels know only full)."""
+    same = full.dtype in (np.dtype(dtype), np.dtype(np.int8))
+    return full if same else np.zeros(full.shape, dtype)
 
 
 @kernel

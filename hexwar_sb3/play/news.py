@@ -48,7 +48,9 @@ def fold_own(known: int, piece: Row) -> int:
     known = fold(known, piece.board_ends, piece.decompress_ends)
     known = fold(known, piece.cool_ends, piece.mortar_ends)
     known = fold(known, piece.keep_ends, (int(piece.path_pos) << 7) + int(piece.path_len))
-    flags = int(piece.hidden) + 2 * int(piece.suppressed) + 4 * int(piece.waiting) + 8 * int(piece.stop_pending)
+    flags = (
+        int(piece.hidden) + 2 * int(piece.suppressed) + 4 * int(piece.waiting) + 8 * int(piece.stop_pending)
+    )
     known = fold(known, (int(piece.blood) << 4) + flags, piece.carrier)
     return fold(known, int(piece.sees) >> 16, int(piece.sees) & 0xFFFF)
 

@@ -7,8 +7,8 @@ from hexwar_sb3.engine.pieces import count_in, in_motion, stands_in
 from hexwar_sb3.kernels import Row, Rows, kernel
 from hexwar_sb3.rules.compiled import NO_EFFECT, SCATTER_HIT
 from hexwar_sb3.rules.enums import PieceType
-from hexwar_sb3.tasks.known import end_piece, first_piece, is_known
-from hexwar_sb3.tasks.shots import KILL_BONUS, SOLDIER_SUPPRESSED, VEHICLE_SUPPRESSED, known_in
+from hexwar_sb3.tasks.known import end_piece, first_piece, is_known, known_in
+from hexwar_sb3.tasks.shots import KILL_BONUS, SOLDIER_SUPPRESSED, VEHICLE_SUPPRESSED
 
 _SIDES = 6
 _FIRST_BAND = 0  # column of the launch distances 1-20, all that the mortar reaches

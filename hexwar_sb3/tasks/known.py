@@ -51,7 +51,7 @@ def age(known: Row, tick: int) -> int:
 @kernel
 def sees_itself(piece: Row, j: int) -> bool:
     """The piece itself sees piece j now."""
-    return (int(piece.sees) >> j) & 1 == 1
+    return (int(piece.sees) >> int(j)) & 1 == 1
 
 
 @kernel
@@ -138,3 +138,26 @@ def can_hurt(piece: Row, target_kind: int, rules: Row) -> bool:
             if rules.level[weapon, target, piece.blood, apart] > 0:
                 return True
     return False
+
+
+@kernel
+def known_in(camp: int, cell: int, game: Row, pieces: Rows, memory: Rows) -> int:
+    """Enemy ground pieces that the camp sees in a cell."""
+    count = 0
+    for j in range(first_piece(1 - camp, game), end_piece(1 - camp, game)):
+        known = memory[camp, j]
+        if known.seen and known.cell == cell and known.blood > 0 and pieces[j].kind != PieceType.AEROCRAFT:
+            count += 1
+    return count
+
+
+@kernel
+def known_in_zone(camp: int, cell: int, game: Row, pieces: Rows, memory: Rows, cells: Rows) -> int:
+    """Enemy ground pieces that the camp sees in a cell or beside it: who keeps it from occupying."""
+    count = 0
+    for j in range(first_piece(1 - camp, game), end_piece(1 - camp, game)):
+        known = memory[camp, j]
+        there = known.seen and known.blood > 0 and pieces[j].kind != PieceType.AEROCRAFT
+        if there and cells_apart(cells, cell, known.cell) <= 1:
+            count += 1
+    return count

@@ -27,8 +27,8 @@ from hexwar_sb3.tasks.features import (
     PER_VALUE,
     PER_WAY,
 )
-from hexwar_sb3.tasks.known import age, end_piece, first_piece, sees_itself, ticks_left
-from hexwar_sb3.tasks.shots import best_shot, known_in_zone
+from hexwar_sb3.tasks.known import age, end_piece, first_piece, known_in_zone, sees_itself, ticks_left
+from hexwar_sb3.tasks.shots import best_shot
 from hexwar_sb3.tasks.task_rows import N_TASKS, N_TYPES, put_way, write_rows
 from hexwar_sb3.tasks.travel import travel_ticks
 

@@ -8,9 +8,8 @@ from hexwar_sb3.engine.pieces import has_path, hop_progress, in_fight, stands_in
 from hexwar_sb3.engine.records import NO_CELL, NO_PIECE, ROUND_FLYING
 from hexwar_sb3.kernels import Row, Rows, kernel
 from hexwar_sb3.rules.enums import Action
-from hexwar_sb3.tasks.known import end_piece, first_piece
+from hexwar_sb3.tasks.known import end_piece, first_piece, known_in_zone
 from hexwar_sb3.tasks.records import TaskKind
-from hexwar_sb3.tasks.shots import known_in_zone
 
 
 @kernel

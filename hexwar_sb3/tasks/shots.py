@@ -13,9 +13,9 @@ from hexwar_sb3.engine.pieces import in_fight, in_motion, is_settled, on_map, we
 from hexwar_sb3.engine.records import NEVER, NO_PIECE
 from hexwar_sb3.kernels import Row, Rows, kernel
 from hexwar_sb3.maps.geometry import cells_apart
-from hexwar_sb3.rules.compiled import LEAST_MODIFIER, LEAST_RESULT, NO_POOL
+from hexwar_sb3.rules.compiled import LEAST_MODIFIER, LEAST_RESULT
 from hexwar_sb3.rules.enums import Action, PieceType, Weapon
-from hexwar_sb3.tasks.known import end_piece, first_piece, level_from, sees_itself
+from hexwar_sb3.tasks.known import end_piece, first_piece, known_in, level_from, sees_itself
 
 NO_WEAPON = -1
 
@@ -92,29 +92,6 @@ def median_loss(
 
 
 @kernel
-def known_in(camp: int, cell: int, game: Row, pieces: Rows, memory: Rows) -> int:
-    """Enemy ground pieces that the camp sees in a cell."""
-    count = 0
-    for j in range(first_piece(1 - camp, game), end_piece(1 - camp, game)):
-        known = memory[camp, j]
-        if known.seen and known.cell == cell and known.blood > 0 and pieces[j].kind != PieceType.AEROCRAFT:
-            count += 1
-    return count
-
-
-@kernel
-def known_in_zone(camp: int, cell: int, game: Row, pieces: Rows, memory: Rows, cells: Rows) -> int:
-    """Enemy ground pieces that the camp sees in a cell or beside it: who keeps it from occupying."""
-    count = 0
-    for j in range(first_piece(1 - camp, game), end_piece(1 - camp, game)):
-        known = memory[camp, j]
-        there = known.seen and known.blood > 0 and pieces[j].kind != PieceType.AEROCRAFT
-        if there and cells_apart(cells, cell, known.cell) <= 1:
-            count += 1
-    return count
-
-
-@kernel
 def target_mods(camp: int, j: int, game: Row, pieces: Rows, memory: Rows, rules: Row, cells: Rows) -> int:
     """Modifiers of a shot that come from the target, as the camp knows it."""
     known = memory[camp, j]
@@ -173,19 +150,6 @@ def shot_value(
 
 
 @kernel
-def may_fire(i: int, j: int, weapon: int, game: Row, pieces: Rows, rules: Row) -> bool:
-    """Everything that the rules ask of a shot but its level (section 4, `shoot`)."""
-    piece = pieces[i]
-    if piece.cool_ends != NEVER or weapon_ammo(piece, weapon, rules) == 0:
-        return False
-    return (
-        may_fire_now(piece, weapon, rules) == Code.OK
-        and not in_fight(game, piece)
-        and can_aim(i, j, game, pieces)
-    )
-
-
-@kernel
 def can_aim(i: int, j: int, game: Row, pieces: Rows) -> bool:
     """Piece i itself sees enemy j, and j is not in close combat."""
     return sees_itself(pieces[i], j) and not in_fight(game, pieces[j])
@@ -209,24 +173,29 @@ def best_shot(
     """
     piece = pieces[i]
     best, target, with_weapon = 0.0, NO_PIECE, NO_WEAPON
-    if piece.sees == 0 or not on_map(piece) or (piece.cool_ends != NEVER and not settled):
+    if piece.sees == 0 or not on_map(piece) or in_fight(game, piece):
         return best, target, with_weapon
-    if piece.suppressed and piece.kind == PieceType.SOLDIER:
+    if (piece.cool_ends != NEVER and not settled) or is_pinned(piece):
         return best, target, with_weapon
     enemy = 1 - piece.camp
     for j in range(first_piece(enemy, game), end_piece(enemy, game)):
         if (only != NO_PIECE and j != only) or not can_aim(i, j, game, pieces):
             continue
         for weapon in range(rules.pool.shape[1]):
-            pool = rules.pool[piece.kind, weapon]
-            if pool == NO_POOL or piece.ammo[pool] == 0:
+            if weapon_ammo(piece, weapon, rules) == 0:
                 continue
-            if not settled and not may_fire(i, j, weapon, game, pieces, rules):
+            if not settled and may_fire_now(piece, weapon, rules) != Code.OK:
                 continue
             value = shot_value(i, j, weapon, settled, allotted, game, pieces, memory, rules, cells)
             if value > best:
                 best, target, with_weapon = value, j, weapon
     return best, target, with_weapon
+
+
+@kernel
+def is_pinned(piece: Row) -> bool:
+    """Suppressed soldiers cannot fire."""
+    return piece.suppressed == 1 and piece.kind == PieceType.SOLDIER
 
 
 @kernel

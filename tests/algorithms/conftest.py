@@ -13,6 +13,8 @@ from gymnasium import spaces
 from numpy.typing import NDArray
 from stable_baselines3.common.vec_env import DummyVecEnv, VecMonitor
 
+from hexwar_sb3.algorithms.qmix import QMIX
+
 PIECES, TASKS, OBS, TASK, STATE = 3, 4, 5, 2, 6
 LENGTH = 6  # decisions of a game
 
@@ -24,7 +26,9 @@ class ToyEnv(gymnasium.Env[Obs, NDArray[np.int64]]):
 
     def __init__(self, with_state: bool, seed: int) -> None:
         shapes = {"obs": (PIECES, OBS), "tasks": (PIECES, TASKS, TASK), "alive": (PIECES,)}
-        parts: dict[str, spaces.Space[Any]] = {key: spaces.Box(-1.0, 1.0, shape) for key, shape in shapes.items()}
+        parts: dict[str, spaces.Space[Any]] = {
+            key: spaces.Box(-1.0, 1.0, shape) for key, shape in shapes.items()
+        }
         parts["action_mask"] = spaces.Box(0, 1, (PIECES, TASKS), np.int8)
         if with_state:
             parts["state"] = spaces.Box(-1.0, 1.0, (STATE,))
@@ -33,7 +37,9 @@ class ToyEnv(gymnasium.Env[Obs, NDArray[np.int64]]):
         self.with_state, self.random, self.moment = with_state, np.random.default_rng(seed), 0
         self.seen: Obs = {}
 
-    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Obs, dict[str, Any]]:
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[Obs, dict[str, Any]]:
         super().reset(seed=seed)
         if seed is not None:
             self.random = np.random.default_rng(seed)
@@ -60,16 +66,22 @@ class ToyEnv(gymnasium.Env[Obs, NDArray[np.int64]]):
 
 
 class ToyVecEnv(DummyVecEnv):
-    """Toy games with `snapshot` and `restore`, as our native VecEnvs have them."""
+    """Games with `snapshot` and `restore`, as our native VecEnvs have them."""
 
     envs: list[ToyEnv]  # type: ignore[assignment]
 
     def snapshot(self) -> dict[str, NDArray[Any]]:
-        """What changes in play."""
+        """Everything that changes in play."""
         states = [env.random.bit_generator.state["state"] for env in self.envs]
-        words = [[part >> 64 * k & (1 << 64) - 1 for part in state.values() for k in (0, 1)] for state in states]
+        words = [
+            [part >> 64 * k & (1 << 64) - 1 for part in state.values() for k in (0, 1)] for state in states
+        ]
         seen = {f"seen_{key}": np.stack([env.seen[key] for env in self.envs]) for key in self.envs[0].seen}
-        return {"moment": np.array([env.moment for env in self.envs]), "random": np.array(words, np.uint64), **seen}
+        return {
+            "moment": np.array([env.moment for env in self.envs]),
+            "random": np.array(words, np.uint64),
+            **seen,
+        }
 
     def restore(self, parts: dict[str, NDArray[Any]]) -> None:
         """Go on from a snapshot."""
@@ -84,14 +96,28 @@ class ToyVecEnv(DummyVecEnv):
             env.seen = {key: parts[f"seen_{key}"][b] for key in env.seen or env.observation_space.spaces}  # type: ignore[attr-defined]
 
 
-MakeEnv = Callable[..., VecMonitor]
+def toy_games(n_envs: int = 4, with_state: bool = True) -> VecMonitor:
+    return VecMonitor(ToyVecEnv([partial(ToyEnv, with_state, seed) for seed in range(n_envs)]))
+
+
+def toy_model(**options: Any) -> QMIX:
+    small: dict[str, Any] = {
+        "buffer_size": 400,
+        "learning_starts": 20,
+        "batch_size": 16,
+        "seed": 0,
+        "device": "cpu",
+    }
+    return QMIX("TaskPolicy", options.pop("env", None) or toy_games(), **{**small, **options})
 
 
 @pytest.fixture
-def make_env() -> MakeEnv:
-    """Make toy games: make_env(n_envs, with_state=True)."""
+def make_env() -> Callable[..., VecMonitor]:
+    """Maker of toy games: (n_envs, with_state)."""
+    return toy_games
 
-    def make(n_envs: int = 4, with_state: bool = True) -> VecMonitor:
-        return VecMonitor(ToyVecEnv([partial(ToyEnv, with_state, seed) for seed in range(n_envs)]))
 
-    return make
+@pytest.fixture
+def make_model() -> Callable[..., QMIX]:
+    """Maker of a small model of toy games: (env, and any argument of QMIX)."""
+    return toy_model

@@ -3,18 +3,23 @@
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 import torch
 from stable_baselines3.common.callbacks import BaseCallback
+from stable_baselines3.common.vec_env import VecMonitor
 
 from hexwar_sb3.algorithms.checkpoint import load_checkpoint, save_checkpoint
 from hexwar_sb3.algorithms.qmix import QMIX
 from hexwar_sb3.errors import CheckpointError
 
-SMALL = {"learning_starts": 20, "batch_size": 16, "seed": 3, "device": "cpu"}
+MakeEnv = Callable[..., VecMonitor]
+MakeModel = Callable[..., QMIX]
+
 TOTAL, BREAK = 240, 108  # env steps; the break lies within the games
 
 
@@ -42,12 +47,15 @@ def sha256(model: QMIX) -> str:
     return digest.hexdigest()
 
 
-@pytest.mark.parametrize("options", [{"buffer_size": 60}, {"buffer_size": 1_000}, {"mixer": "vdn", "td_lambda": 0.8}])
-def test_resumed_is_unbroken(make_env, tmp_path: Path, options: dict[str, object]) -> None:
+@pytest.mark.parametrize(
+    "options", [{"buffer_size": 60}, {"buffer_size": 1_000}, {"mixer": "vdn", "td_lambda": 0.8}]
+)
+def test_resumed_is_unbroken(
+    make_model: MakeModel, make_env: MakeEnv, tmp_path: Path, options: dict[str, Any]
+) -> None:
     """Also with a replay that is full, so that old steps are overwritten after the break."""
-    settings = {**SMALL, **options}
     path = tmp_path / "checkpoint"
-    unbroken = QMIX("TaskPolicy", make_env(), **settings).learn(TOTAL, callback=SaveAt(BREAK, path))
+    unbroken = make_model(**options).learn(TOTAL, callback=SaveAt(BREAK, path))
 
     np.random.seed(99)  # noqa: NPY002  # another process has other random numbers
     torch.manual_seed(99)
@@ -61,30 +69,30 @@ def test_resumed_is_unbroken(make_env, tmp_path: Path, options: dict[str, object
     assert resumed.env.episode_returns.tolist() == unbroken.env.episode_returns.tolist()  # type: ignore[attr-defined, union-attr]
 
 
-def test_saving_changes_nothing(make_env, tmp_path: Path) -> None:
-    plain = QMIX("TaskPolicy", make_env(), **SMALL).learn(TOTAL)
-    saved = QMIX("TaskPolicy", make_env(), **SMALL).learn(TOTAL, callback=SaveAt(BREAK, tmp_path / "checkpoint"))
+def test_saving_changes_nothing(make_model: MakeModel, tmp_path: Path) -> None:
+    plain = make_model().learn(TOTAL)
+    saved = make_model().learn(TOTAL, callback=SaveAt(BREAK, tmp_path / "checkpoint"))
 
     assert sha256(plain) == sha256(saved)
 
 
-def test_another_number_of_games_is_refused(make_env, tmp_path: Path) -> None:
-    save_checkpoint(QMIX("TaskPolicy", make_env(), **SMALL).learn(40), tmp_path / "checkpoint")
+def test_another_number_of_games_is_refused(make_model: MakeModel, make_env: MakeEnv, tmp_path: Path) -> None:
+    save_checkpoint(make_model().learn(40), tmp_path / "checkpoint")
 
     with pytest.raises(CheckpointError, match="found 4 games; expected 2, as the env has"):
         load_checkpoint(tmp_path / "checkpoint", make_env(2))
 
 
-def test_a_truncated_checkpoint_is_refused(make_env, tmp_path: Path) -> None:
+def test_a_truncated_checkpoint_is_refused(make_model: MakeModel, make_env: MakeEnv, tmp_path: Path) -> None:
     path = tmp_path / "checkpoint"
-    save_checkpoint(QMIX("TaskPolicy", make_env(), **SMALL).learn(40), path)
+    save_checkpoint(make_model().learn(40), path)
     path.write_bytes(path.read_bytes()[:-1000])
 
     with pytest.raises(CheckpointError, match=r"checkpoint: .*found .*; expected .*checkpoint"):
         load_checkpoint(path, make_env())
 
 
-def test_other_arrays_are_refused(make_env, tmp_path: Path) -> None:
+def test_other_arrays_are_refused(make_env: MakeEnv, tmp_path: Path) -> None:
     np.savez(tmp_path / "other.npz", a=np.zeros(3))
 
     with pytest.raises(CheckpointError, match="found None; expected hexwar checkpoint 1"):

@@ -7,17 +7,22 @@ import io
 import json
 import pickle
 import zipfile
+from collections.abc import Callable
 from pathlib import Path
+from typing import cast
 
 import numpy as np
 import pytest
 import torch
+from numpy.typing import NDArray
 from stable_baselines3 import PPO
+from stable_baselines3.common.vec_env import VecMonitor
 
 from hexwar_sb3.algorithms.qmix import QMIX
 from hexwar_sb3.errors import CheckpointError, ConfigError
 
-SMALL = {"buffer_size": 400, "learning_starts": 20, "batch_size": 16, "seed": 0, "device": "cpu"}
+MakeEnv = Callable[..., VecMonitor]
+MakeModel = Callable[..., QMIX]
 
 
 class Bomb:
@@ -30,20 +35,23 @@ class Bomb:
 
 
 @pytest.fixture
-def model(make_env) -> QMIX:
-    return QMIX("TaskPolicy", make_env(), exploration_episodes=100, reward_scale=7.0, **SMALL).learn(160)
+def model(make_model: MakeModel) -> QMIX:
+    return make_model(exploration_episodes=100, reward_scale=7.0).learn(160)
 
 
-def test_a_loaded_model_predicts_the_same(model: QMIX, make_env, tmp_path: Path) -> None:
+def test_a_loaded_model_predicts_the_same(make_env: MakeEnv, model: QMIX, tmp_path: Path) -> None:
     model.save(tmp_path / "model")
-    observation = make_env(8, with_state=False).reset()
+    observation = cast("dict[str, NDArray[np.float32]]", make_env(8, with_state=False).reset())
 
     loaded = QMIX.load(tmp_path / "model.zip")
 
-    assert (loaded.predict(observation, deterministic=True)[0] == model.predict(observation, deterministic=True)[0]).all()
+    assert (
+        loaded.predict(observation, deterministic=True)[0]
+        == model.predict(observation, deterministic=True)[0]
+    ).all()
 
 
-def test_counters_settings_targets_and_optimiser_come_back(model: QMIX, make_env) -> None:
+def test_counters_settings_targets_and_optimiser_come_back(make_env: MakeEnv, model: QMIX) -> None:
     file = io.BytesIO()
     model.save(file)
 
@@ -57,7 +65,9 @@ def test_counters_settings_targets_and_optimiser_come_back(model: QMIX, make_env
     loaded.learn(40, reset_num_timesteps=False)
 
 
-def test_a_model_trained_with_the_state_loads_on_an_env_without_it(model: QMIX, make_env, tmp_path: Path) -> None:
+def test_a_model_trained_with_the_state_loads_on_an_env_without_it(
+    make_env: MakeEnv, model: QMIX, tmp_path: Path
+) -> None:
     model.save(tmp_path / "model.zip")
 
     loaded = QMIX.load(tmp_path / "model.zip", env=make_env(2, with_state=False))
@@ -66,7 +76,7 @@ def test_a_model_trained_with_the_state_loads_on_an_env_without_it(model: QMIX, 
         loaded.learn(10)
 
 
-def test_an_env_of_other_sizes_is_refused(model: QMIX, make_env, tmp_path: Path) -> None:
+def test_an_env_of_other_sizes_is_refused(make_env: MakeEnv, model: QMIX, tmp_path: Path) -> None:
     model.save(tmp_path / "model.zip")
     env = make_env(2)
     env.action_space = type(env.action_space)([5, 5, 5])
@@ -94,8 +104,8 @@ def test_what_is_made_again_is_not_unpickled_either(model: QMIX, tmp_path: Path,
     assert not Bomb.exploded
 
 
-def test_a_learning_rate_that_is_a_function_needs_trust(make_env, tmp_path: Path) -> None:
-    QMIX("TaskPolicy", make_env(), learning_rate=lambda left: 1e-3 * left, **SMALL).save(tmp_path / "model.zip")
+def test_a_learning_rate_that_is_a_function_needs_trust(make_model: MakeModel, tmp_path: Path) -> None:
+    make_model(learning_rate=lambda left: 1e-3 * left).save(tmp_path / "model.zip")
 
     with pytest.raises(CheckpointError, match=r"pickled values \['learning_rate'\]"):
         QMIX.load(tmp_path / "model.zip")
@@ -117,7 +127,9 @@ def test_a_broken_file_is_refused_by_name(tmp_path: Path, content: bytes) -> Non
         QMIX.load(tmp_path / "model.zip")
 
 
-def test_a_save_that_fails_leaves_the_old_file(model: QMIX, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_save_that_fails_leaves_the_old_file(
+    model: QMIX, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """A full disk or a kill in the middle of saving."""
     path = tmp_path / "model.zip"
     model.save(path)
@@ -131,7 +143,7 @@ def test_a_save_that_fails_leaves_the_old_file(model: QMIX, tmp_path: Path, monk
     assert [file.name for file in tmp_path.iterdir()] == ["model.zip"]
 
 
-def fail(*args: object) -> None:
+def fail(*_: object) -> None:
     raise OSError("no space left")
 
 

@@ -3,20 +3,29 @@
 from __future__ import annotations
 
 import csv
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any, cast
 
 import numpy as np
 import pytest
 import torch
+from numpy.typing import NDArray
 from stable_baselines3.common.callbacks import CheckpointCallback, EvalCallback
 from stable_baselines3.common.evaluation import evaluate_policy
 from stable_baselines3.common.logger import configure
+from stable_baselines3.common.vec_env import VecMonitor
 
 from hexwar_sb3.algorithms.presets import PRESETS
 from hexwar_sb3.algorithms.qmix import QMIX, chunk_sizes
 from hexwar_sb3.errors import ConfigError, TrainingError, UnknownNameError
 
-SMALL = {"buffer_size": 400, "learning_starts": 20, "batch_size": 16, "seed": 0, "device": "cpu"}
+MakeEnv = Callable[..., VecMonitor]
+MakeModel = Callable[..., QMIX]
+
+
+def first_look(env: VecMonitor) -> dict[str, NDArray[Any]]:
+    return cast("dict[str, NDArray[Any]]", env.reset())
 
 
 def weights(model: QMIX) -> torch.Tensor:
@@ -24,9 +33,9 @@ def weights(model: QMIX) -> torch.Tensor:
 
 
 @pytest.mark.parametrize("mixer", ["qmix", "vdn", "iql"])
-def test_it_plays_valid_tasks_only_and_changes_its_weights(make_env, mixer: str) -> None:
+def test_it_plays_valid_tasks_only_and_changes_its_weights(make_model: MakeModel, mixer: str) -> None:
     """The toy env fails at a masked task; piece 2 dies, decisions have uneven lengths."""
-    model = QMIX("TaskPolicy", make_env(), mixer=mixer, **SMALL)
+    model = make_model(mixer=mixer)
     before = weights(model)
 
     model.learn(200)
@@ -35,47 +44,49 @@ def test_it_plays_valid_tasks_only_and_changes_its_weights(make_env, mixer: str)
     assert torch.isfinite(weights(model)).all()
 
 
-@pytest.mark.parametrize("options", [{"td_lambda": 0.8}, {"n_steps": 1}, {"double_q": False}, {"loss": "squared"}])
-def test_its_options_run(make_env, options: dict[str, object]) -> None:
-    QMIX("TaskPolicy", make_env(), **{**SMALL, **options}).learn(100)
+@pytest.mark.parametrize(
+    "options", [{"td_lambda": 0.8}, {"n_steps": 1}, {"double_q": False}, {"loss": "squared"}]
+)
+def test_its_options_run(make_model: MakeModel, options: dict[str, Any]) -> None:
+    make_model(**options).learn(100)
 
 
 @pytest.mark.parametrize("preset", PRESETS)
-def test_the_presets_are_arguments_of_it(make_env, preset: str) -> None:
-    QMIX("TaskPolicy", make_env(), **{**PRESETS[preset], **SMALL}).learn(60)
+def test_the_presets_are_arguments_of_it(make_model: MakeModel, preset: str) -> None:
+    make_model(**PRESETS[preset]).learn(60)
 
 
-def test_without_a_state_the_mixer_sees_all_observations(make_env) -> None:
-    model = QMIX("TaskPolicy", make_env(with_state=False), **SMALL).learn(60)
+def test_without_a_state_the_mixer_sees_all_observations(make_model: MakeModel, make_env: MakeEnv) -> None:
+    model = make_model(env=make_env(with_state=False)).learn(60)
 
     assert model.policy.state_dim == 3 * 5
 
 
-def test_one_update_is_made_for_every_finished_game(make_env) -> None:
+def test_one_update_is_made_for_every_finished_game(make_model: MakeModel) -> None:
     """Games of 6 decisions, 4 at a time: 40 vector steps end 24 games."""
-    model = QMIX("TaskPolicy", make_env(), **SMALL).learn(160)
+    model = make_model().learn(160)
 
     assert model._episode_num == 24
     assert model._n_updates == 24
 
 
-def test_updates_may_follow_vector_steps_instead(make_env) -> None:
-    model = QMIX("TaskPolicy", make_env(), train_freq=(2, "step"), gradient_steps=3, **SMALL).learn(160)
+def test_updates_may_follow_vector_steps_instead(make_model: MakeModel) -> None:
+    model = make_model(train_freq=(2, "step"), gradient_steps=3).learn(160)
 
     assert model._n_updates == 40 // 2 * 3
 
 
-def test_epsilon_follows_the_number_of_games_and_survives_a_second_learn(make_env) -> None:
+def test_epsilon_follows_the_number_of_games_and_survives_a_second_learn(make_model: MakeModel) -> None:
     """SB3's progress would let it jump up again."""
-    model = QMIX("TaskPolicy", make_env(), exploration_episodes=48, **SMALL).learn(160)
+    model = make_model(exploration_episodes=48).learn(160)
     assert model.exploration_rate == pytest.approx(0.5 - 0.45 / 2)
 
     model.learn(80, reset_num_timesteps=False)
     assert model.exploration_rate == pytest.approx(0.5 - 0.45 * 40 / 48)
 
 
-def test_a_learn_that_starts_anew_ends_the_running_games_in_the_replay(make_env) -> None:
-    model = QMIX("TaskPolicy", make_env(), **SMALL).learn(40)
+def test_a_learn_that_starts_anew_ends_the_running_games_in_the_replay(make_model: MakeModel) -> None:
+    model = make_model().learn(40)
     model.learn(40)
 
     replay = model.replay_buffer
@@ -84,30 +95,32 @@ def test_a_learn_that_starts_anew_ends_the_running_games_in_the_replay(make_env)
     assert len(replay) == 80
 
 
-def test_two_runs_of_one_seed_are_equal(make_env) -> None:
-    first, second = (QMIX("TaskPolicy", make_env(), **SMALL).learn(160) for _ in range(2))
+def test_two_runs_of_one_seed_are_equal(make_model: MakeModel) -> None:
+    first, second = (make_model().learn(160) for _ in range(2))
 
     assert torch.equal(weights(first), weights(second))
 
 
-def test_a_batch_in_chunks_gives_the_same_mean_gradient(make_env) -> None:
+def test_a_batch_in_chunks_gives_the_same_mean_gradient(make_model: MakeModel) -> None:
     assert chunk_sizes(600, 256) == [256, 256, 88]
-    model = QMIX("TaskPolicy", make_env(), chunk_size=5, **SMALL).learn(160)
+    model = make_model(chunk_size=5).learn(160)
     assert torch.isfinite(weights(model)).all()
 
 
-def test_the_targets_follow_softly_or_at_once(make_env) -> None:
-    soft = QMIX("TaskPolicy", make_env(), **SMALL).learn(160)
-    hard = QMIX("TaskPolicy", make_env(), tau=1.0, target_update_interval=24, **SMALL).learn(160)
+def test_the_targets_follow_softly_or_at_once(make_model: MakeModel) -> None:
+    soft = make_model().learn(160)
+    hard = make_model(tau=1.0, target_update_interval=24).learn(160)
 
     assert not torch.equal(soft.policy.targets[0], soft.policy.trained[0])
     assert torch.equal(hard.policy.targets[0], hard.policy.trained[0])
 
 
-def test_predict_takes_one_observation_or_a_batch_and_needs_no_state(make_env) -> None:
+def test_predict_takes_one_observation_or_a_batch_and_needs_no_state(
+    make_model: MakeModel, make_env: MakeEnv
+) -> None:
     env = make_env()
-    model = QMIX("TaskPolicy", env, **SMALL)
-    observation = env.reset()
+    model = make_model(env=env)
+    observation = first_look(env)
     observation.pop("state")
 
     batch, _ = model.predict(observation, deterministic=True)
@@ -117,10 +130,12 @@ def test_predict_takes_one_observation_or_a_batch_and_needs_no_state(make_env) -
     assert (single == batch[0]).all()
 
 
-def test_predict_explores_among_valid_tasks_unless_deterministic(make_env) -> None:
+def test_predict_explores_among_valid_tasks_unless_deterministic(
+    make_model: MakeModel, make_env: MakeEnv
+) -> None:
     env = make_env()
-    model = QMIX("TaskPolicy", env, exploration_initial_eps=1.0, exploration_final_eps=1.0, **SMALL)
-    observation = env.reset()
+    model = make_model(env=env, exploration_initial_eps=1.0, exploration_final_eps=1.0)
+    observation = first_look(env)
 
     drawn = [model.predict(observation)[0] for _ in range(50)]
 
@@ -130,15 +145,19 @@ def test_predict_explores_among_valid_tasks_unless_deterministic(make_env) -> No
 
 
 @pytest.mark.filterwarnings("ignore:rich is experimental")  # tqdm's own word on SB3's progress bar
-def test_stock_callbacks_and_evaluation_work(make_env, tmp_path: Path) -> None:
+def test_stock_callbacks_and_evaluation_work(
+    make_model: MakeModel, make_env: MakeEnv, tmp_path: Path
+) -> None:
     """An env for evaluation has no privileged state."""
     eval_env = make_env(2, with_state=False)
     callbacks = [
-        EvalCallback(eval_env, n_eval_episodes=2, eval_freq=20, best_model_save_path=str(tmp_path), verbose=0),
+        EvalCallback(
+            eval_env, n_eval_episodes=2, eval_freq=20, best_model_save_path=str(tmp_path), verbose=0
+        ),
         CheckpointCallback(save_freq=20, save_path=str(tmp_path), save_replay_buffer=True),
     ]
 
-    model = QMIX("TaskPolicy", make_env(), **SMALL).learn(160, callback=callbacks, progress_bar=True)
+    model = make_model().learn(160, callback=callbacks, progress_bar=True)
 
     assert (tmp_path / "best_model.zip").exists()
     assert (tmp_path / "rl_model_80_steps.zip").exists()
@@ -146,8 +165,8 @@ def test_stock_callbacks_and_evaluation_work(make_env, tmp_path: Path) -> None:
     assert np.isfinite(mean)
 
 
-def test_it_logs_what_tells_a_plateau_early(make_env, tmp_path: Path) -> None:
-    model = QMIX("TaskPolicy", make_env(), **SMALL)
+def test_it_logs_what_tells_a_plateau_early(make_model: MakeModel, tmp_path: Path) -> None:
+    model = make_model()
     model.set_logger(configure(str(tmp_path), ["csv"]))
 
     model.learn(300, log_interval=8)
@@ -161,8 +180,8 @@ def test_it_logs_what_tells_a_plateau_early(make_env, tmp_path: Path) -> None:
     assert np.isfinite(values["train/loss"])
 
 
-def test_a_loss_that_is_not_finite_stops_before_the_weights_are_touched(make_env) -> None:
-    model = QMIX("TaskPolicy", make_env(), **SMALL).learn(60)
+def test_a_loss_that_is_not_finite_stops_before_the_weights_are_touched(make_model: MakeModel) -> None:
+    model = make_model().learn(60)
     before = weights(model)
     model.replay_buffer.reward[:] = np.nan
 
@@ -185,11 +204,13 @@ def test_a_loss_that_is_not_finite_stops_before_the_weights_are_touched(make_env
         ({"policy_kwargs": {"network": "deep"}}, "unknown network 'deep'"),
     ],
 )
-def test_settings_out_of_range_are_refused_with_the_range(make_env, options, message: str) -> None:
+def test_settings_out_of_range_are_refused_with_the_range(
+    make_model: MakeModel, options: dict[str, Any], message: str
+) -> None:
     with pytest.raises((ConfigError, UnknownNameError), match=message):
-        QMIX("TaskPolicy", make_env(), **{**SMALL, **options})
+        make_model(**options)
 
 
 def test_an_env_without_task_sets_is_refused_with_the_way_out() -> None:
     with pytest.raises(ConfigError, match="JointActionEnv makes them of a PettingZoo parallel env"):
-        QMIX("TaskPolicy", "CartPole-v1", **SMALL)
+        QMIX("TaskPolicy", "CartPole-v1")

@@ -30,7 +30,9 @@ def space(bound: float = 1.0) -> spaces.Dict:
 
 
 def replay(rows: int = 20, bound: float = 64.0) -> StepReplay:
-    return StepReplay(rows * GAMES, space(bound), spaces.MultiDiscrete([TASKS] * PIECES), CPU, GAMES, gamma=0.5)
+    return StepReplay(
+        rows * GAMES, space(bound), spaces.MultiDiscrete([TASKS] * PIECES), CPU, GAMES, gamma=0.5
+    )
 
 
 def observe(moment: int) -> dict[str, NDArray[Any]]:
@@ -46,7 +48,12 @@ def observe(moment: int) -> dict[str, NDArray[Any]]:
 
 
 def add(
-    buffer: StepReplay, moment: int, *, done: bool = False, cut: bool = False, info: dict[str, Any] | None = None
+    buffer: StepReplay,
+    moment: int,
+    *,
+    done: bool = False,
+    cut: bool = False,
+    info: dict[str, Any] | None = None,
 ) -> None:
     """Store the step from `moment` to the next; its reward is the moment."""
     infos = [{"TimeLimit.truncated": cut, **(info or {})} for _ in range(GAMES)]

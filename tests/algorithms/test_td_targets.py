@@ -14,7 +14,7 @@ def column(*values: float) -> Tensor:
 
 
 def test_the_target_is_reward_plus_discounted_next_value() -> None:
-    """y = r + γ (1 − terminated) Q' (III-C)."""
+    """The target y = r + γ (1 − terminated) Q' (III-C)."""
     target = qmix_target(column(1.0, 1.0), column(0.0, 1.0), column(10.0, 10.0), column(0.9, 0.9))
 
     assert target.tolist() == [[10.0], [1.0]]

@@ -79,6 +79,30 @@ def test_a_match_as_json_is_the_same_match_each_time(hexwar: Command) -> None:
     assert first["red"]["wins"] == first["blue"]["losses"]
 
 
+def test_a_recorded_game_is_the_first_of_the_match_and_can_be_verified(
+    hexwar: Command, tmp_path: Path
+) -> None:
+    game = str(tmp_path / "game.hwr")
+
+    match = json.loads(hexwar("match", "MA1", "MA2", "--games", "1", "--record", game, "--json")[1])
+    watched = json.loads(hexwar("watch", game, "--verify", "--json")[1])
+
+    assert watched["verified"]
+    assert watched["margin"]["red"] == match["red"]["mean_margin"]
+    assert [watched["players"][camp]["name"] for camp in ("red", "blue")] == ["MA1", "MA2"]
+
+
+def test_a_recorded_game_reads_as_events_and_a_picture(hexwar: Command, tmp_path: Path) -> None:
+    game, picture = tmp_path / "game.hwr", tmp_path / "game.png"
+    hexwar("match", "MA1", "MA2", "--games", "1", "--record", str(game))
+
+    _, out, _ = hexwar("watch", str(game), "--output", str(picture))
+
+    assert "first_contact" in out or "arrived" in out
+    assert out.splitlines()[-1].startswith("tick 1800: ")
+    assert picture.read_bytes().startswith(b"\x89PNG")
+
+
 def test_an_evaluation_has_a_row_for_each_player_opponent_and_camp(hexwar: Command) -> None:
     _, out, _ = hexwar("evaluate", "nearest", "--opponents", "MA1", "--games", "2", "--json")
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -44,7 +44,9 @@ class UnevenGame(ParallelEnv):  # type: ignore[misc]  # PettingZoo ships no type
         if self.masks_in == "observation":
             both = {name: {"observation": seen[name], "action_mask": masks[name]} for name in self.agents}
             return both, {name: {} for name in self.agents}
-        infos = {name: {"action_mask": masks[name]} if self.masks_in == "infos" else {} for name in self.agents}
+        infos = {
+            name: {"action_mask": masks[name]} if self.masks_in == "infos" else {} for name in self.agents
+        }
         return {name: seen[name] for name in self.agents}, infos
 
     def reset(self, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, Any]:
@@ -62,22 +64,25 @@ class UnevenGame(ParallelEnv):  # type: ignore[misc]  # PettingZoo ships no type
         return seen, rewards, ended, cut, infos
 
 
+def space_of(env: JointActionEnv) -> spaces.Dict:
+    return cast("spaces.Dict", env.observation_space)
+
+
 def test_the_matrix_games_are_parallel_envs() -> None:
     parallel_api_test(TwoStepGame(), num_cycles=20)
     parallel_api_test(RepeatedGame(CLIMBING), num_cycles=60)
 
 
-@pytest.mark.filterwarnings("ignore:.*Box.*:UserWarning")  # about ranges and image sizes of features
 def test_the_joint_env_passes_sb3s_checker() -> None:
-    check_env(JointActionEnv(TwoStepGame()))
+    check_env(JointActionEnv(TwoStepGame()), warn=False)
 
 
 def test_sizes_are_those_of_the_largest_agent() -> None:
     env = JointActionEnv(UnevenGame())
 
     assert env.action_space == spaces.MultiDiscrete([3, 3])
-    assert env.observation_space["obs"].shape == (2, 3 + 2)
-    assert "state" not in env.observation_space.spaces
+    assert space_of(env)["obs"].shape == (2, 3 + 2)
+    assert "state" not in space_of(env).spaces
 
 
 def test_an_observation_is_padded_and_names_its_agent() -> None:
@@ -90,7 +95,12 @@ def test_an_observation_is_padded_and_names_its_agent() -> None:
 
 
 @pytest.mark.parametrize(
-    ("masks_in", "mask"), [("observation", [[0, 1, 0], [1, 0, 1]]), ("infos", [[0, 1, 0], [1, 0, 1]]), ("none", [[1, 1, 0], [1, 1, 1]])]
+    ("masks_in", "mask"),
+    [
+        ("observation", [[0, 1, 0], [1, 0, 1]]),
+        ("infos", [[0, 1, 0], [1, 0, 1]]),
+        ("none", [[1, 1, 0], [1, 1, 1]]),
+    ],
 )
 def test_masks_come_from_the_observation_or_the_infos(masks_in: str, mask: list[list[int]]) -> None:
     obs, _ = JointActionEnv(UnevenGame(masks_in)).reset()
@@ -122,7 +132,11 @@ def test_the_team_gets_the_mean_or_the_sum(team_reward: str, rewards: list[float
 def test_a_cut_game_is_truncated_a_finished_one_terminated() -> None:
     env = JointActionEnv(UnevenGame())
     env.reset()
-    assert [env.step(np.array([1, 0]))[2:4] for _ in range(3)] == [(False, False), (False, False), (False, True)]
+    assert [env.step(np.array([1, 0]))[2:4] for _ in range(3)] == [
+        (False, False),
+        (False, False),
+        (False, True),
+    ]
 
     game = JointActionEnv(RepeatedGame(CLIMBING))
     game.reset()
@@ -131,13 +145,13 @@ def test_a_cut_game_is_truncated_a_finished_one_terminated() -> None:
 
 
 def test_the_state_may_be_left_out() -> None:
-    assert JointActionEnv(TwoStepGame()).observation_space["state"].shape == (3,)
-    assert "state" not in JointActionEnv(TwoStepGame(), privileged_state=False).observation_space.spaces
+    assert space_of(JointActionEnv(TwoStepGame()))["state"].shape == (3,)
+    assert "state" not in space_of(JointActionEnv(TwoStepGame(), privileged_state=False)).spaces
 
 
 def test_continuous_actions_and_unknown_team_rewards_are_refused() -> None:
     class Continuous(UnevenGame):
-        def action_space(self, agent: str) -> spaces.Space[Any]:
+        def action_space(self, agent: str) -> Any:
             return spaces.Box(0.0, 1.0, (1,))
 
     with pytest.raises(ConfigError, match="needs Discrete actions, got Box"):

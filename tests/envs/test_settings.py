@@ -36,7 +36,7 @@ def test_an_unknown_env_is_refused() -> None:
 
 
 def test_an_unknown_opponent_is_refused() -> None:
-    with pytest.raises(UnknownNameError, match="MA1"):
+    with pytest.raises(UnknownNameError, match="did you mean 'MA"):
         make_vec_env("HexWarTask-v0", opponent="MA")
 
 

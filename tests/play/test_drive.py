@@ -9,6 +9,7 @@ from hexwar_sb3.engine.world import World, load_world
 from hexwar_sb3.play.arena import Arena, Setup
 from hexwar_sb3.play.match import play_games
 from hexwar_sb3.play.player import make_player
+from hexwar_sb3.play.records import EARLY_TICKS
 from hexwar_sb3.play.seeds import game_seed
 from hexwar_sb3.rules.enums import Action, Camp
 
@@ -38,10 +39,10 @@ def played_out(arena: Arena) -> Arena:
 
 
 def same_game(one: Arena, b: int, other: Arena, other_b: int) -> bool:
-    """Equal to the byte: state and plans of a game in two arenas."""
+    """Equal in every field: state and plans of a game in two arenas."""
     names = ("games", "pieces", "memory", "paths", "rounds", "plans", "brains")
     one_rows, other_rows = one.snapshot(), other.snapshot()
-    return all(one_rows[name][b].tobytes() == other_rows[name][other_b].tobytes() for name in names)
+    return all(np.array_equal(one_rows[name][b], other_rows[name][other_b]) for name in names)
 
 
 def test_a_game_alone_is_the_same_game_in_a_batch(world: World) -> None:
@@ -85,16 +86,16 @@ def test_early_decisions_come_after_own_losses(world: World) -> None:
     """decisions="event": whoever lost blood decides before the next multiple of Delta-t."""
     arena = seated(world, 1, Setup(decision_ticks=(75, 75), early=True))
     arena.drives.asked[0, Camp.RED] = 1
-    one, off_beat, after_loss = np.zeros(1, np.int64), 0, 0
+    one, game, drive, early = np.zeros(1, np.int64), arena.state.games[0], arena.drives[0], 0
     while not arena.over(one)[0]:
+        drive.ended[Camp.RED] = 0xFFFFFFFF  # no task calls
         arena.advance(one)
-        game = arena.state.games[0]
-        arena.drives[0].decided_at[Camp.RED] = game.tick
-        arena.drives[0].ended[Camp.RED] = 0xFFFFFFFF
+        decided_at, drive.decided_at[Camp.RED] = int(drive.decided_at[Camp.RED]), game.tick
         if arena.due(one, Camp.RED)[0] and game.tick % 75:
-            off_beat += 1
-            after_loss += int(game.loss_tick[Camp.RED] == game.tick)
-    assert off_beat == after_loss > 0
+            early += 1
+            assert game.loss_tick[Camp.RED] > decided_at
+            assert game.tick >= decided_at + EARLY_TICKS
+    assert early > 0
 
 
 def test_a_match_gives_each_game_its_row() -> None:

@@ -57,7 +57,7 @@ def test_values_and_tasks_equal_those_of_torch(policy: TaskPolicy) -> None:
     obs, frozen = observe(), policy.freeze()
     tensors, _ = policy.obs_to_tensor(obs)
 
-    q = policy.agent(*(tensors[key] for key in ("obs", "tasks", "action_mask"))).detach().numpy()  # type: ignore[index, call-overload]
+    q = policy.agent(*(tensors[key] for key in ("obs", "tasks", "action_mask"))).detach().numpy()  # type: ignore[index]
 
     np.testing.assert_allclose(frozen.q_values(obs), q, atol=1e-5)
     assert (frozen.act(obs) == policy.predict(obs)[0]).all()
@@ -74,7 +74,9 @@ def test_a_game_alone_and_in_a_batch_has_the_same_values_to_the_bit(policy: Task
 
 def test_half_precision_and_single_observations_are_taken(policy: TaskPolicy) -> None:
     obs, frozen = observe(), policy.freeze()
-    half = {key: value.astype(np.float16) if value.dtype == np.float32 else value for key, value in obs.items()}
+    half = {
+        key: value.astype(np.float16) if value.dtype == np.float32 else value for key, value in obs.items()
+    }
 
     assert frozen.act(half).shape == (20, PIECES)
     single, _ = frozen.predict({key: value[0] for key, value in obs.items()})
@@ -90,7 +92,9 @@ def test_it_comes_back_from_its_folder(policy: TaskPolicy, folder: Path) -> None
 
 
 def test_rules_that_it_was_not_trained_under_are_refused(folder: Path) -> None:
-    with pytest.raises(PolicyFileError, match=r"about.rules: found 'abc'; expected 'xyz', the rules of this game"):
+    with pytest.raises(
+        PolicyFileError, match=r"about.rules: found 'abc'; expected 'xyz', the rules of this game"
+    ):
         FrozenPolicy.load(folder, rules="xyz")
 
 
@@ -113,8 +117,8 @@ def change(key: str, value: object) -> Callable[[Path], None]:
     return act
 
 
-def write(name: str, content: bytes) -> Callable[[Path], None]:
-    return lambda folder: [(folder / name).write_bytes(content), None][1]  # type: ignore[func-returns-value]
+def write(name: str, content: bytes) -> Callable[[Path], object]:
+    return lambda folder: (folder / name).write_bytes(content)
 
 
 SIZES = {"obs": OBS, "task": TASK, "hidden": 64, "embed": 32, "one": 1}
@@ -131,17 +135,26 @@ SIZES = {"obs": OBS, "task": TASK, "hidden": 64, "embed": 32, "one": 1}
         (change("n_tasks", 10**9), "n_tasks: found 1000000000; expected a whole number from 1 to 4096"),
         (change("n_tasks", True), "n_tasks: found True"),
         (change("sizes", {"obs": 1}), "config.json: sizes: found {'obs': 1}; expected the axes"),
-        (change("sizes", {**SIZES, "hidden": 63}), r"piece.weight has the shape \(64, 9\), expected \(63, 9\)"),
+        (
+            change("sizes", {**SIZES, "hidden": 63}),
+            r"piece.weight has the shape \(64, 9\), expected \(63, 9\)",
+        ),
         (change("about", [1]), r"config.json: about: found \[1\]; expected texts by name"),
         (change("weights_sha256", "0"), "weights.safetensors: sha256: found other weights"),
         (write("weights.safetensors", b""), "weights.safetensors: sha256: found other weights"),
-        (write("weights.safetensors", b"\0" * (1 << 24) + b"\0"), "weights.safetensors: file size: found 16777217"),
-        (lambda folder: (folder / "weights.safetensors").unlink(), "weights.safetensors: file: found .*No such file"),
+        (
+            write("weights.safetensors", b"\0" * (1 << 24) + b"\0"),
+            "weights.safetensors: file size: found 16777217",
+        ),
+        (
+            lambda folder: (folder / "weights.safetensors").unlink(),
+            "weights.safetensors: file: found .*No such file",
+        ),
         (lambda folder: (folder / "config.json").unlink(), "config.json: file: found .*No such file"),
     ],
 )
 def test_a_damaged_folder_is_refused_with_file_and_place(
-    folder: Path, damage: Callable[[Path], None], message: str
+    folder: Path, damage: Callable[[Path], object], message: str
 ) -> None:
     damage(folder)
 

@@ -100,8 +100,10 @@ def test_layers_over_concatenations_are_sums_of_layers() -> None:
     torch.manual_seed(0)
     literal, additive = LiteralAgentNetwork(OBS, TASK), AgentNetwork(OBS, TASK)
     hidden, embed = additive.piece.out_features, additive.embed.out_features
-    of_task, of_piece = literal.embed_first.weight.split([TASK, hidden], dim=1)
-    context_piece, context_set, context_task = literal.context.weight.split([hidden, embed, embed], dim=1)
+    of_task, of_piece = torch.split(literal.embed_first.weight, [TASK, hidden], dim=1)
+    context_piece, context_set, context_task = torch.split(
+        literal.context.weight, [hidden, embed, embed], dim=1
+    )
     additive.load_state_dict(
         {
             "piece.weight": literal.piece.weight,

@@ -57,7 +57,9 @@ def test_the_dead_count_nothing(mixer: Mixer) -> None:
 
 def test_the_sum_mixer_adds_up() -> None:
     """VDN: Q_Σ = Σ Q_i."""
-    mixed = MIXERS["vdn"](PIECES, STATE)(torch.tensor([[1.0, 2.0, 4.0]]), torch.zeros(1, STATE), torch.ones(1, 3))
+    mixed = MIXERS["vdn"](PIECES, STATE)(
+        torch.tensor([[1.0, 2.0, 4.0]]), torch.zeros(1, STATE), torch.ones(1, 3)
+    )
 
     assert mixed.tolist() == [[7.0]]
 

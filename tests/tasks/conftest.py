@@ -13,6 +13,7 @@ from hexwar_sb3.engine.records import NO_PIECE
 from hexwar_sb3.engine.sight import look_all, remember
 from hexwar_sb3.engine.state import new_state, reset_game
 from hexwar_sb3.engine.step import has_orders, next_due, process
+from hexwar_sb3.engine.text import parse_board
 from hexwar_sb3.engine.world import World, load_world
 from hexwar_sb3.kernels import Row
 from hexwar_sb3.play.execute import execute_tasks
@@ -26,20 +27,41 @@ from hexwar_sb3.tasks.spots import load_spots
 
 DECISION_TICKS = 75
 N = 7  # pieces a side
-NAMES = ("tank0", "tank1", "chariot0", "chariot1", "soldier0", "soldier1", "aerocraft0")
+
+OPEN_FIELD = """
+    map   plain-41x21
+    point main 2111 80
+    point second 2117 50
+    red   tank 0411
+    red   tank 0415
+    red   chariot 0512
+    red   chariot 0514
+    red   soldier aboard chariot0
+    red   soldier aboard chariot1
+    red   aerocraft 0313
+    blue  tank 3811
+    blue  tank 3815
+    blue  chariot 3612
+    blue  chariot 3614
+    blue  soldier aboard chariot0
+    blue  soldier aboard chariot1
+    blue  aerocraft 3913
+"""
 
 Mask = NDArray[np.int8]
 Choose = Callable[["Board", int, Any, Mask], NDArray[np.int64]]
 
 
 class Board:
-    """One game of the scenario "plain", opened for tests."""
+    """One game, opened for tests."""
 
     def __init__(self, world: World, seed: int = 0) -> None:
         self.world = world
         self.state = new_state(world, 1)
         reset_game(self.state, 0, world, seed)
-        self.game, self.pieces, self.memory, self.paths, self.rounds, self.orders, self.log = self.state.game(0)
+        self.game, self.pieces, self.memory, self.paths, self.rounds, self.orders, self.log = self.state.game(
+            0
+        )
         self.plans = new_plans(1, world.n_pieces)[0]
         self.rules, self.cells, self.los = world.tables
         self.eta = world.eta
@@ -82,7 +104,16 @@ class Board:
         """Task sets [N, K] and mask of a camp."""
         tasks, mask = np.zeros((N, k), TASK).view(np.recarray), np.zeros((N, k), np.int8)
         list_tasks(
-            camp, self.game, self.pieces, self.memory, self.rules, self.cells, self.eta, self.spots, tasks, mask
+            camp,
+            self.game,
+            self.pieces,
+            self.memory,
+            self.rules,
+            self.cells,
+            self.eta,
+            self.spots,
+            tasks,
+            mask,
         )
         return tasks, mask
 
@@ -196,7 +227,19 @@ def world() -> World:
 
 @pytest.fixture
 def board(world: World) -> Board:
+    """The start of the scenario "plain"."""
     return Board(world)
+
+
+@pytest.fixture(scope="session")
+def open_world() -> World:
+    return load_world(parse_board(OPEN_FIELD).scenario)
+
+
+@pytest.fixture
+def field(open_world: World) -> Board:
+    """The same pieces on a flat, empty map, where everything in range is seen."""
+    return Board(open_world)
 
 
 @pytest.fixture

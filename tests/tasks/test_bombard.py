@@ -38,24 +38,26 @@ def thrown_value(board: Board, kind: PieceType, blood: int, mods: int, correctio
 @pytest.mark.parametrize(
     ("kind", "blood", "mods"), [(PieceType.TANK, 3, -3), (PieceType.SOLDIER, 1, 1), (PieceType.CHARIOT, 2, 2)]
 )
-def test_landing_value_is_the_mean_over_all_dice(board: Board, kind: PieceType, blood: int, mods: int) -> None:
+def test_landing_value_is_the_mean_over_all_dice(
+    board: Board, kind: PieceType, blood: int, mods: int
+) -> None:
     for observed, correction_class in ((True, 2), (False, 0)):
         expected = thrown_value(board, kind, blood, mods, correction_class)
         assert landing_value(kind, blood, mods, observed, board.rules) == pytest.approx(expected)
 
 
-def test_own_pieces_under_the_round_count_against_it(board: Board) -> None:
-    cell = board.cell(40, 60)
-    board.put("chariot0", board.cell(30, 60))
-    board.put("blue:soldier0", cell, carrier=-1)
-    board.put("tank1", board.cell(36, 60))
-    board.look()
-    args = (board.game, board.pieces, board.memory, board.rules, board.cells)
-    i = board.i("chariot0")
+def test_own_pieces_under_the_round_count_against_it(field: Board) -> None:
+    cell = field.cell(20, 2)
+    field.put("chariot0", field.cell(10, 2))
+    field.put("blue:soldier0", cell, carrier=-1)
+    field.put("tank1", field.cell(16, 2))
+    field.look()
+    args = (field.game, field.pieces, field.memory, field.rules, field.cells)
+    i = field.i("chariot0")
 
     alone = mortar_value(i, cell, True, *args)
-    board.put("tank0", cell)
+    field.put("tank0", cell)
 
     assert alone > 0.0
     assert mortar_value(i, cell, True, *args) < alone
-    assert mortar_value(i, board.cell(45, 60), True, *args) == 0.0
+    assert mortar_value(i, field.cell(25, 2), True, *args) == 0.0

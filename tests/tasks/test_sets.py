@@ -174,5 +174,3 @@ def test_a_busy_or_moving_piece_has_the_same_tasks(board: Board) -> None:
     board.pieces[board.i("tank0")].stop_ends = 40
     assert board.pieces[board.i("tank0")].arrives_at == NEVER
     assert board.listed("tank0") == standing
-
-

@@ -85,27 +85,36 @@ def test_median_loss_is_the_most_that_half_of_all_throws_reach(
     assert median_loss(weapon, blood, level, mods, kind, target_blood, board.rules) == expected
 
 
-def test_values_read_only_what_the_camp_remembers(board: Board) -> None:
+def test_values_read_only_what_the_camp_remembers(field: Board) -> None:
     """An enemy's real blood and cover do not count where it was last seen otherwise."""
-    place(board)
-    j = board.i("blue:chariot0")
-    before = value_of(board, "tank0", j, Weapon.GUN)
-    board.pieces[j].blood, board.pieces[j].hidden = 1, 1
-    assert value_of(board, "tank0", j, Weapon.GUN) == before
-    board.memory[0, j].blood = 1
-    assert value_of(board, "tank0", j, Weapon.GUN) != before
+    place(field)
+    j = field.i("blue:chariot0")
+    before = value_of(field, "tank0", j, Weapon.GUN)
+    field.pieces[j].blood, field.pieces[j].hidden = 1, 1
+    assert value_of(field, "tank0", j, Weapon.GUN) == before
+    field.memory[0, j].blood = 1
+    assert value_of(field, "tank0", j, Weapon.GUN) != before
 
 
-def place(board: Board, apart: int = 5) -> None:
-    """A red tank and a blue chariot on the axis far from the points."""
-    board.put("tank0", board.cell(35, 60))
-    board.put("blue:chariot0", board.cell(35 + apart, 60))
-    board.look()
+def place(field: Board) -> None:
+    """A red tank and a blue chariot five cells apart, far from everybody else."""
+    field.put("tank0", field.cell(20, 2))
+    field.put("blue:chariot0", field.cell(25, 2))
+    field.look()
 
 
 def value_of(board: Board, name: str, j: int, weapon: Weapon) -> float:
     return shot_value(
-        board.i(name), j, weapon, False, NOTHING, board.game, board.pieces, board.memory, board.rules, board.cells
+        board.i(name),
+        j,
+        weapon,
+        False,
+        NOTHING,
+        board.game,
+        board.pieces,
+        board.memory,
+        board.rules,
+        board.cells,
     )
 
 
@@ -135,15 +144,15 @@ def test_a_shot_of_a_seen_target_is_valued_with_the_engines_level_and_modifiers(
     assert compared > 0
 
 
-def test_a_target_beside_a_point_of_others_counts_half_as_much_again(board: Board) -> None:
-    place(board)
-    j = board.i("blue:chariot0")
-    plain = value_of(board, "tank0", j, Weapon.GUN)
-    board.game.point_cell[0] = board.cells[board.pieces[j].cell].neighbour[0]
+def test_a_target_beside_a_point_of_others_counts_half_as_much_again(field: Board) -> None:
+    place(field)
+    j = field.i("blue:chariot0")
+    plain = value_of(field, "tank0", j, Weapon.GUN)
+    field.game.point_cell[0] = field.cells[field.pieces[j].cell].neighbour[0]
 
-    assert value_of(board, "tank0", j, Weapon.GUN) == pytest.approx(OBJECTIVE_FACTOR * plain)
-    board.game.point_owner[0] = 0
-    assert value_of(board, "tank0", j, Weapon.GUN) == plain
+    assert value_of(field, "tank0", j, Weapon.GUN) == pytest.approx(OBJECTIVE_FACTOR * plain)
+    field.game.point_owner[0] = 0
+    assert value_of(field, "tank0", j, Weapon.GUN) == plain
 
 
 def legal_shots(board: Board, i: int) -> list[tuple[float, int, int]]:
@@ -174,30 +183,30 @@ def test_best_shot_is_the_best_of_all_legal_shots(middle: Callable[[int], Board]
     assert found > 0
 
 
-def test_best_shot_may_be_asked_for_one_target_only(board: Board) -> None:
-    place(board)
-    j, other = board.i("blue:chariot0"), board.i("blue:tank0")
-    args = (board.game, board.pieces, board.memory, board.rules, board.cells)
+def test_best_shot_may_be_asked_for_one_target_only(field: Board) -> None:
+    place(field)
+    j, other = field.i("blue:chariot0"), field.i("blue:tank0")
+    args = (field.game, field.pieces, field.memory, field.rules, field.cells)
 
-    assert best_shot(board.i("tank0"), j, False, NOTHING, *args)[1] == j
-    assert best_shot(board.i("tank0"), other, False, NOTHING, *args) == (0.0, NO_PIECE, -1)
+    assert best_shot(field.i("tank0"), j, False, NOTHING, *args)[1] == j
+    assert best_shot(field.i("tank0"), other, False, NOTHING, *args) == (0.0, NO_PIECE, -1)
 
 
-def test_a_settled_view_leaves_motion_and_cool_down_aside(board: Board) -> None:
-    place(board)
-    tank = board.pieces[board.i("tank0")]
-    args = (NOTHING, board.game, board.pieces, board.memory, board.rules, board.cells)
-    standing = best_shot(board.i("tank0"), NO_PIECE, False, *args)
+def test_a_settled_view_leaves_motion_and_cool_down_aside(field: Board) -> None:
+    place(field)
+    tank = field.pieces[field.i("tank0")]
+    args = (NOTHING, field.game, field.pieces, field.memory, field.rules, field.cells)
+    standing = best_shot(field.i("tank0"), NO_PIECE, False, *args)
     tank.cool_ends, tank.stop_ends = 40, 50
 
-    assert best_shot(board.i("tank0"), NO_PIECE, False, *args)[0] == 0.0
-    assert best_shot(board.i("tank0"), NO_PIECE, True, *args) == standing
+    assert best_shot(field.i("tank0"), NO_PIECE, False, *args)[0] == 0.0
+    assert best_shot(field.i("tank0"), NO_PIECE, True, *args) == standing
 
 
-def test_allotted_losses_lower_the_value_for_the_next_shooter(board: Board) -> None:
-    place(board)
-    i, j = board.i("tank0"), board.i("blue:chariot0")
-    args = (board.game, board.pieces, board.memory, board.rules, board.cells)
+def test_allotted_losses_lower_the_value_for_the_next_shooter(field: Board) -> None:
+    place(field)
+    i, j = field.i("tank0"), field.i("blue:chariot0")
+    args = (field.game, field.pieces, field.memory, field.rules, field.cells)
     allotted = NOTHING.copy()
     first = best_shot(i, NO_PIECE, False, allotted, *args)
     expect_loss(i, j, first[2], allotted, *args)
@@ -206,25 +215,24 @@ def test_allotted_losses_lower_the_value_for_the_next_shooter(board: Board) -> N
     assert best_shot(i, NO_PIECE, False, allotted, *args)[0] < first[0]
 
 
-def test_best_guided_finds_the_pair_that_the_engine_accepts(board: Board) -> None:
+def test_best_guided_finds_the_pair_that_the_engine_accepts(field: Board) -> None:
     """Section 8: the guider sees the vehicle, the chariot need not."""
-    place(board, apart=8)
-    board.land("soldier0")
-    board.put("soldier0", board.cell(34, 60))
-    board.put("chariot0", board.cell(30, 60))
-    board.put("chariot1", board.cell(29, 60))
-    board.put("aerocraft0", board.cell(35, 60))
-    board.look()
-    args = (NOTHING, board.game, board.pieces, board.memory, board.orders, board.rules, board.cells)
-    i, j, c = board.i("soldier0"), board.i("blue:chariot0"), board.i("chariot0")
+    place(field)
+    field.land("soldier0")
+    field.put("soldier0", field.cell(18, 2))
+    field.put("chariot0", field.cell(12, 2))
+    field.put("chariot1", field.cell(12, 2))
+    field.look()
+    args = (NOTHING, field.game, field.pieces, field.memory, field.orders, field.rules, field.cells)
+    i, j, c = field.i("soldier0"), field.i("blue:chariot0"), field.i("chariot0")
 
     value, target, chariot = best_guided(i, NO_PIECE, 0, *args)
 
     assert (target, chariot) == (j, c)
-    order = board.orders[i]
+    order = field.orders[i]
     order.kind, order.target, order.partner = Action.GUIDE_SHOOT, target, chariot
-    assert order_code(i, order, board.game, board.pieces, board.rules, board.cells) == Code.OK
-    assert value == pytest.approx(value_of(board, "chariot0", j, Weapon.HEAVY))
+    assert order_code(i, order, field.game, field.pieces, field.rules, field.cells) == Code.OK
+    assert value == pytest.approx(value_of(field, "chariot0", j, Weapon.HEAVY))
     assert best_guided(i, NO_PIECE, 1 << c, *args)[0] == 0.0
-    board.orders[c].kind = Action.HIDE
+    field.orders[c].kind = Action.HIDE
     assert best_guided(i, NO_PIECE, 0, *args)[0] == 0.0

@@ -1,0 +1,31 @@
+"""Plans in a player's fire style, for the shared executor."""
+
+from __future__ import annotations
+
+from hexwar_sb3.engine.records import NO_CELL, NO_PIECE
+from hexwar_sb3.kernels import Row, Rows, kernel
+from hexwar_sb3.tasks.choose import assign
+from hexwar_sb3.tasks.records import TaskKind
+
+
+@kernel
+def give_plan(style: Row, i: int, kind: int, cell: int, game: Row, plans: Rows) -> None:
+    """Give piece i a task at a cell, in the player's fire style."""
+    assign(plans[i], kind, NO_PIECE, cell, game.tick)
+    set_style(style, i, kind, plans)
+
+
+@kernel
+def board(style: Row, i: int, chariot: int, game: Row, plans: Rows) -> None:
+    """Let soldier i board a chariot."""
+    assign(plans[i], TaskKind.BOARD, chariot, NO_CELL, game.tick)
+    set_style(style, i, TaskKind.BOARD, plans)
+
+
+@kernel
+def set_style(style: Row, i: int, kind: int, plans: Rows) -> None:
+    """The player's fire style for a task."""
+    plan = plans[i]
+    plan.covered = style.covered
+    plan.fire_value = style.ambush_value if kind == TaskKind.HIDE else style.fire_value
+    plan.stop_value = style.stop_value
