@@ -9,11 +9,13 @@ import zipfile
 from collections.abc import Iterable
 from typing import Any, BinaryIO, ClassVar, Self
 
+import numpy as np
 import torch
 from gymnasium import spaces
 from stable_baselines3.common.off_policy_algorithm import OffPolicyAlgorithm
 from stable_baselines3.common.type_aliases import GymEnv
 
+from hexwar_sb3.algorithms.replay import StepReplay
 from hexwar_sb3.errors import CheckpointError, ConfigError
 from hexwar_sb3.files import replacing
 from hexwar_sb3.policies.shapes import TaskShapes
@@ -31,6 +33,7 @@ class PlainZipAlgorithm(OffPolicyAlgorithm):
     """
 
     policy: TaskPolicy
+    replay_buffer: StepReplay  # type: ignore[assignment]  # ours has SB3's add(), and its own sample()
     made_again: ClassVar[tuple[str, ...]] = ("lr_schedule", "train_freq")
     of_the_run: ClassVar[tuple[str, ...]] = (
         "_last_obs",
@@ -78,6 +81,22 @@ class PlainZipAlgorithm(OffPolicyAlgorithm):
         """
         objects = {**plain_objects(path, env, trust), **(custom_objects or {})}
         return super().load(path, env, device, objects, print_system_info, force_reset, **kwargs)
+
+    def save_replay_buffer(self, path: File) -> None:
+        """Write the steps of the replay as arrays, without pickle."""
+        steps = io.BytesIO()
+        np.savez(steps, **self.replay_buffer.snapshot())  # type: ignore[arg-type]  # names are arrays, not options
+        if isinstance(path, str | pathlib.Path):
+            with replacing(pathlib.Path(path)) as temporary:
+                temporary.write_bytes(steps.getvalue())
+        else:
+            path.write(steps.getvalue())
+
+    def load_replay_buffer(self, path: File, truncate_last_traj: bool = True) -> None:
+        """Read what `save_replay_buffer` wrote; the games that were running then end there."""
+        with np.load(path, allow_pickle=False) as steps:
+            self.replay_buffer.restore(dict(steps))
+        self.replay_buffer.cut_short()
 
     def _excluded_save_params(self) -> list[str]:
         return [*super()._excluded_save_params(), *self.made_again, *self.of_the_run]

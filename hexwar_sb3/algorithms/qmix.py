@@ -80,7 +80,6 @@ class QMIX(PlainZipAlgorithm):
         "game_log",
         "learner",
     )
-    replay_buffer: StepReplay  # type: ignore[assignment]  # ours has SB3's add(), and its own sample()
 
     def __init__(
         self,

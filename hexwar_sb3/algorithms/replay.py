@@ -235,15 +235,19 @@ class StepReplay:
         return torch.as_tensor(values, device=self.device).float()
 
     def snapshot(self) -> dict[str, NDArray[Any]]:
-        """Everything that is stored, by name; rows that were never written are left out."""
+        """Everything that is stored, by name, without rows that were never written and masked tasks."""
         parts = {name: array[:, : self.used] for name, array in self._arrays().items()}
+        parts["obs_tasks"] = parts["obs_tasks"][parts["obs_action_mask"] != 0]
         return {**parts, "next_row": self.next_row}
 
     def restore(self, parts: Mapping[str, NDArray[Any]]) -> None:
         """Take over what `snapshot` gave."""
         self.used = parts["reward"].shape[1]
         for name, array in self._arrays().items():
-            array[:, : self.used] = parts[name]
+            if name != "obs_tasks":
+                array[:, : self.used] = parts[name]
+        valid = self.obs["action_mask"][:, : self.used] != 0
+        self.obs["tasks"][:, : self.used][valid] = parts["obs_tasks"]
         self.next_row = np.array(parts["next_row"])
 
     def _arrays(self) -> dict[str, NDArray[Any]]:

@@ -42,6 +42,7 @@ def make_atlas(world: World) -> Rows:
     row.around[:] = _offsets(0, AROUND_CELLS, 1)
     row.ring[:] = _ring_offsets()
     fill_danger(row.danger, world.rules[0])
+    row.best_gain[:] = (1.0 + CONFIG.second_share) * row.danger.max(axis=(1, 2))[:SPENT]
     row.post[:], row.nest[:] = NO_CELL, NO_CELL
     for camp in (Camp.RED, Camp.BLUE):
         own = world.scenario.pieces[world.side(camp)]

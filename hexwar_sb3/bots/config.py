@@ -24,6 +24,9 @@ class Style:
     eta_ticks: float  # ticks of travel that cost one point of a post's worth
     move_gain: float  # points by which a new post must beat the present one
     band_worth: tuple[float, float, float, float]  # points added to posts of each band of distances
+    patience_ticks: float  # ticks of travel after which what is known of the enemy is half as sure
+    around_cells: int  # known enemies so near to a point count against entering it
+    own_cells: int  # own pieces so near to it count for
     enter_ratio: float  # own power over known enemy power from which a piece enters a point
     enter_after: int  # tick from which it enters anyway
     fire_value: float  # expected points from which a piece fires
@@ -45,11 +48,14 @@ class Style:
 
 ATTACK = Style(
     gain_weight=1.0,
-    threat_weight=0.5,
+    threat_weight=1.0,
     post_weight=1.0,
-    eta_ticks=60.0,
+    eta_ticks=150.0,
     move_gain=2.0,
-    band_worth=(0.0, 0.0, 0.0, 0.0),
+    band_worth=(-2.0, 0.0, 1.0, 1.0),
+    patience_ticks=100.0,
+    around_cells=8,
+    own_cells=12,
     enter_ratio=1.0,
     enter_after=1350,
     fire_value=0.5,
@@ -71,9 +77,12 @@ DEFENCE = Style(
     gain_weight=1.0,
     threat_weight=1.0,
     post_weight=1.0,
-    eta_ticks=60.0,
+    eta_ticks=150.0,
     move_gain=3.0,
     band_worth=(-2.0, 0.0, 1.0, 1.0),
+    patience_ticks=100.0,
+    around_cells=14,
+    own_cells=10,
     enter_ratio=1.5,
     enter_after=1350,
     fire_value=0.5,
@@ -105,11 +114,11 @@ class BotConfig:
     still_ticks: int = 75  # a target of the mortar has stood so long, and was seen so lately
     safe_cells: int = 2  # from own pieces to the aim of a mortar
     safe_point_cells: int = 12  # an own point is safe with no known enemy so near
+    elsewhere_worth: float = -5.0  # lasting worth of a cell that the atlas does not list as a post
+    second_share: float = 0.3  # of the second best shot that a post offers
     near_posts: int = 37  # cells around a piece that it looks at as posts
     keeper_cells: int = 1
     ride_clear_cells: int = 12  # nobody rides with a known enemy so near
-    around_cells: int = 8  # known enemies so near to a point count against entering it
-    own_cells: int = 12  # own pieces so near to it count for
     walk_cells: int = 3  # a soldier walks so far; beyond it rides
     ride_spare_ticks: int = 300
     hunt_ticks: float = 200.0  # ticks of travel that halve the worth of prey

@@ -142,8 +142,8 @@ def may_enter(
     if game.tick >= style.enter_after:
         return True
     cell = game.point_cell[k]
-    enemies = known_power(cell, config.around_cells, camp, game, pieces, memory, brain, rules, cells)
+    enemies = known_power(cell, style.around_cells, camp, game, pieces, memory, brain, rules, cells)
     if enemies <= 0.0:
         return True
-    own = own_power(cell, config.own_cells, camp, game, pieces, rules, cells)
+    own = own_power(cell, style.own_cells, camp, game, pieces, rules, cells)
     return own >= style.enter_ratio * enemies

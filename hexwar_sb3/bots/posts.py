@@ -16,15 +16,22 @@ WORST = -1e9
 
 @kernel
 def post_score(
-    style: Row, i: int, cell: int, worth: float, camp: int, game: Row, pieces: Rows, memory: Rows, brain: Row,
+    style: Row, i: int, cell: int, worth: float, at_least: float, camp: int, game: Row, pieces: Rows, memory: Rows, brain: Row,
     rules: Row, cells: Rows, los: Rows, eta: Rows, atlas: Row,
 ) -> float:  # fmt: skip
-    """Worth of a cell as the post of piece i, points; WORST where it cannot stand."""
+    """Worth of a cell as the post of piece i, points; WORST where it cannot stand.
+
+    Args:
+        worth: what the cell is worth whatever the enemy does.
+        at_least: a lower score is of no interest, and need not be exact.
+    """
     piece = pieces[i]
     ticks = travel_ticks(piece.kind, piece.cell, cell, rules, cells, eta)
+    score = worth - ticks / style.eta_ticks
+    if score + style.gain_weight * atlas.best_gain[piece.kind] <= at_least:
+        return WORST
     if ticks >= UNREACHABLE or is_taken(i, cell, camp, game, pieces, brain):
         return WORST
-    score = worth - ticks / style.eta_ticks
     if brain.n_foes == 0:
         return score
     row = danger_row(piece, rules)
@@ -32,7 +39,8 @@ def post_score(
     if piece.kind == PieceType.CHARIOT:
         gain = max(gain, guided_gain(i, row, cell, camp, game, pieces, memory, brain, cells, atlas))
     threat = threat_at(piece.kind, cell, camp, game, pieces, memory, brain, rules, cells, los, atlas)
-    return score + style.gain_weight * gain - style.threat_weight * threat
+    lasting = 1.0 / (1.0 + ticks / style.patience_ticks)
+    return score + lasting * (style.gain_weight * gain - style.threat_weight * threat)
 
 
 @kernel
@@ -62,7 +70,7 @@ def choose_post(
     present = int(brain.post[i - first_piece(camp, game)])
     best = present if present != NO_CELL else here
     best_score = style.move_gain + post_score(
-        style, i, best, lasting_worth(style, best, k, camp, atlas), camp, game, pieces, memory, brain,
+        style, i, best, lasting_worth(style, best, k, camp, atlas), WORST, camp, game, pieces, memory, brain,
         rules, cells, los, eta, atlas,
     )  # fmt: skip
     for band in range(atlas.post.shape[2]):
@@ -72,7 +80,7 @@ def choose_post(
                 break
             worth = style.post_weight * atlas.post_worth[camp, k, band, n] + style.band_worth[band]
             score = post_score(
-                style, i, cell, worth, camp, game, pieces, memory, brain, rules, cells, los, eta, atlas
+                style, i, cell, worth, best_score, camp, game, pieces, memory, brain, rules, cells, los, eta, atlas
             )
             if score > best_score:
                 best, best_score = cell, score
@@ -82,7 +90,7 @@ def choose_post(
             if cell == NO_CELL or cells[cell].passable == 0:
                 continue
             score = post_score(
-                style, i, cell, 0.0, camp, game, pieces, memory, brain, rules, cells, los, eta, atlas
+                style, i, cell, atlas.config.elsewhere_worth, best_score, camp, game, pieces, memory, brain, rules, cells, los, eta, atlas
             )
             if score > best_score:
                 best, best_score = cell, score
@@ -92,7 +100,7 @@ def choose_post(
             if cell == NO_CELL or cells[cell].passable == 0:
                 continue
             score = post_score(
-                style, i, cell, 0.0, camp, game, pieces, memory, brain, rules, cells, los, eta, atlas
+                style, i, cell, atlas.config.elsewhere_worth, best_score, camp, game, pieces, memory, brain, rules, cells, los, eta, atlas
             )
             if score > best_score:
                 best, best_score = cell, score
@@ -101,9 +109,9 @@ def choose_post(
 
 @kernel
 def lasting_worth(style: Row, cell: int, k: int, camp: int, atlas: Row) -> float:
-    """What the atlas says of a cell as a post of point k; 0: not among the best."""
+    """What the atlas says of a cell as a post of point k; or of any other cell."""
     for band in range(atlas.post.shape[2]):
         for n in range(atlas.post.shape[3]):
             if atlas.post[camp, k, band, n] == cell:
                 return float(style.post_weight * atlas.post_worth[camp, k, band, n] + style.band_worth[band])
-    return 0.0
+    return float(atlas.config.elsewhere_worth)

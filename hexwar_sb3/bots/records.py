@@ -53,6 +53,7 @@ ATLAS = np.dtype(
         ("nest", "i2", (2, MAX_POINTS, NESTS)),  # [camp, point] concealed cells beside it, best first
         # [shooter or SPENT, target, distance] expected points, full blood, level ground
         ("danger", "f4", (SPENT + 1, 4, REACH)),
+        ("best_gain", "f4", (4,)),  # [shooter] most that `gain_at` can say
         ("around", "i1", (AROUND, 2)),  # cube steps to the cells within 5, nearest first, red's frame
         ("ring", "i1", (RING, 2)),  # cube steps to cells 6 to 14 away, red's frame
     ],

@@ -80,7 +80,8 @@ def wants_ride(
     slot = s - first_piece(camp, game)
     k = brain.point[slot]
     point = game.point_cell[k]
-    if brain.keeper[k] != NOBODY and brain.dropped_for[slot] == k + 1:
+    needed = game.point_owner[k] == camp and brain.keeper[k] == NOBODY
+    if brain.dropped_for[slot] == k + 1 and not needed:
         return False
     if cells_apart(cells, soldier.cell, point) <= config.walk_cells:
         return False

@@ -91,7 +91,7 @@ def gain_at(
                 best, second = value, best
             else:
                 second = value
-    return best + 0.3 * second
+    return best + atlas.config.second_share * second
 
 
 @kernel

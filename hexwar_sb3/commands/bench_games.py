@@ -3,22 +3,28 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import fields
 from time import process_time
 
 import numpy as np
 
-from hexwar_sb3.engine.state import State
-from hexwar_sb3.engine.step import advance, advance_by_ticks
+from hexwar_sb3.engine.batch import Engine
+from hexwar_sb3.engine.pieces import has_path
+from hexwar_sb3.engine.step import advance_by_ticks
 from hexwar_sb3.engine.world import World, load_world
 from hexwar_sb3.envs.registration import make_vec_env
+from hexwar_sb3.kernels import Row, Rows, kernel
+from hexwar_sb3.maps.geometry import NO_DIRECTION
 from hexwar_sb3.play.arena import Arena, Setup
 from hexwar_sb3.play.look import Sight
 from hexwar_sb3.play.match import play_games
-from hexwar_sb3.rules.enums import Camp
+from hexwar_sb3.rules.enums import Action, Camp
+from hexwar_sb3.tasks.travel import next_direction
 
 Round = Callable[[int], tuple[float, float]]  # number of the round -> amount done, seconds
 
 GAMES = 64  # of an engine or bot round
+LEG_TICKS = 150  # between two goals of a piece
 ENV_GAMES = 16  # of an env round
 ENV_STEPS = 480  # env steps of a round, each of all games
 
@@ -26,17 +32,17 @@ ENV_STEPS = 480  # env steps of a round, each of all games
 def game_figures(scenario: str, rounds: int) -> dict[str, float | None]:
     """Measure ticks and env steps a second of process time."""
     world = load_world(scenario)
-    engine = best(lambda k: tasks_round(world, k), rounds)
+    engine = best(lambda k: routes_round(scenario, k), rounds)
+    tick_by_tick = best(lambda k: routes_round(scenario, k, by_ticks=True), rounds)
+    tasks = best(lambda k: tasks_round(world, k), rounds)
     bots = best(lambda k: bots_round(scenario, k), rounds)
-    events = best(lambda k: walk_round(world, k, by_ticks=False), rounds)
-    ticks = best(lambda k: walk_round(world, k, by_ticks=True), rounds)
     return {
         "engine_ticks_per_s": engine,
         "engine_piece_ticks_per_s": engine * world.n_pieces,
+        "engine_tick_by_tick_ticks_per_s": tick_by_tick,
+        "tasks_ticks_per_s": tasks,
         "bots_ticks_per_s": bots,
         "bots_piece_ticks_per_s": bots * world.n_pieces,
-        "event_driven_ticks_per_s": events,
-        "tick_by_tick_ticks_per_s": ticks,
         "task_env_steps_per_s": best(lambda k: env_round(scenario, k), rounds),
         "task_env_net_steps_per_s": None,  # needs a network as lower policy
     }
@@ -49,7 +55,7 @@ def best(measure: Round, rounds: int) -> float:
 
 
 def tasks_round(world: World, seed: int) -> tuple[float, float]:
-    """Play games in which both camps pick random tasks; only the engine with its routes is timed."""
+    """Play games in which both camps pick random tasks; only engine, routes and task execution are timed."""
     arena = Arena(world, GAMES, Setup())
     for b in range(GAMES):
         arena.begin(b, seed * GAMES + b, None, None)
@@ -82,28 +88,76 @@ def bots_round(scenario: str, seed: int) -> tuple[float, float]:
     return float(outcome.ticks.sum()), process_time() - start
 
 
-def walk_round(world: World, seed: int, *, by_ticks: bool) -> tuple[float, float]:
-    """Let games run out after the orders of one random decision, event by event or tick by tick."""
-    arena = Arena(world, GAMES, Setup())
-    rng, which = np.random.default_rng(seed), np.arange(GAMES)
-    for b in range(GAMES):
-        arena.begin(b, seed * GAMES + b, None, None)
-    for camp in (Camp.RED, Camp.BLUE):
-        choose_randomly(arena, which, camp, Sight(world, camp, GAMES), rng)
-    arena.advance(which)
-    start = process_time()
-    run_out(world, arena.state, by_ticks=by_ticks)
-    return float(arena.state.games.tick.sum()), process_time() - start
+def routes_round(scenario: str, seed: int, *, by_ticks: bool = False) -> tuple[float, float]:
+    """Play games in which every piece walks the cheapest way to random cells; only the engine is timed."""
+    engine = Engine(scenario, GAMES)
+    world = engine.world
+    engine.reset(range(seed * GAMES, (seed + 1) * GAMES))
+    rng, seconds, state = np.random.default_rng(seed), 0.0, engine.state
+    for tick in range(0, world.scenario.game_ticks, LEG_TICKS):
+        goals = rng.choice(np.flatnonzero(world.cells.passable), state.orders.shape)
+        order_walks(goals, state.games, state.pieces, state.orders, world.rules[0], world.cells, world.eta)
+        until = np.full(GAMES, tick + LEG_TICKS)
+        start = process_time()
+        if by_ticks:
+            make_every_step(until, *(getattr(state, field.name) for field in fields(state)), *world.tables)
+        else:
+            engine.advance(LEG_TICKS)
+        seconds += process_time() - start
+    return float(state.games.tick.sum()), seconds
 
 
-def run_out(world: World, state: State, *, by_ticks: bool) -> None:
-    """Play games to their ends without further orders."""
-    run = advance_by_ticks if by_ticks else advance
-    for b in range(len(state.games)):
-        run(
-            int(state.games[b].end_tick), state.games[b], state.pieces[b], state.memory[b], state.paths[b],
-            state.rounds[b], state.orders[b], state.log[b], world.rules[0], world.cells, world.los,
-        )  # fmt: skip
+@kernel
+def order_walks(
+    goals: Rows, games: Rows, pieces: Rows, orders: Rows, rules: Row, cells: Rows, eta: Rows
+) -> None:
+    """Order every piece that has no path to walk the cheapest way to its goal, goals [B, P]."""
+    for b in range(games.size):
+        for i in range(pieces.shape[1]):
+            piece, order = pieces[b, i], orders[b, i]
+            if has_path(piece):
+                continue
+            order.kind = int(Action.MOVE)
+            order.path_len = 0
+            cell = int(piece.cell)
+            while order.path_len < rules.path_limit:
+                d = next_direction(piece.kind, piece.camp, cell, goals[b, i], False, rules, cells, eta)
+                if d == NO_DIRECTION:
+                    break
+                order.path[order.path_len] = d
+                order.path_len += 1
+                cell = int(cells[cell].neighbour[d])
+
+
+@kernel
+def make_every_step(
+    until: Rows,
+    games: Rows,
+    pieces: Rows,
+    memory: Rows,
+    paths: Rows,
+    rounds: Rows,
+    orders: Rows,
+    log: Rows,
+    rules: Row,
+    cells: Rows,
+    los: Rows,
+) -> None:
+    """Play game b to tick until[b] step by step, for all b."""
+    for b in range(games.size):
+        advance_by_ticks(
+            until[b],
+            games[b],
+            pieces[b],
+            memory[b],
+            paths[b],
+            rounds[b],
+            orders[b],
+            log[b],
+            rules,
+            cells,
+            los,
+        )
 
 
 def env_round(scenario: str, seed: int) -> tuple[float, float]:

@@ -1,0 +1,1 @@
+"""The engine: records, kernels, orders, one game and a batch of games, views, replays."""

@@ -103,5 +103,15 @@ def advance_all(
     """Play game b to the state of tick until[b], for all b."""
     for b in range(games.size):
         advance(
-            until[b], games[b], pieces[b], memory[b], paths[b], rounds[b], orders[b], log[b], rules, cells, los
+            until[b],
+            games[b],
+            pieces[b],
+            memory[b],
+            paths[b],
+            rounds[b],
+            orders[b],
+            log[b],
+            rules,
+            cells,
+            los,
         )

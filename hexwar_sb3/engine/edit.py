@@ -161,7 +161,7 @@ class Editor:
         _, piece = self._piece(name)
         if value and not is_ground(piece):
             raise ValueError("an aerocraft is never suppressed")
-        full = int(self._world.rules[0].keep_ticks)
+        full = int(self._world.rules[0].keep_ticks) - 1  # as the last step would have left it
         ticks = full if value is True else _whole(int(value), full)
         piece.suppressed = ticks > 0
         piece.keep_ends = self._end(ticks)
@@ -180,7 +180,7 @@ class Editor:
         if value not in {"natural", "forced", None}:
             raise ValueError("expected 'natural', 'forced' or None")
         self.set_path(name, [])
-        piece.stop_ends = NEVER if value is None else self._end(int(self._world.rules[0].stop_ticks))
+        piece.stop_ends = NEVER if value is None else self._end(int(self._world.rules[0].stop_ticks) - 1)
         piece.stop_forced = value == "forced"
 
     def set_ammo(self, name: str, value: Value) -> None:

@@ -197,7 +197,7 @@ class Game:
         other.state = new_state(self.world, 1, LOG_ROWS)
         other.state.copy_from(self.state, 0, 0)
         other.recorder = self.recorder.copy()
-        other._given = dict(self._given)
+        other._given = dict(self._given)  # noqa: SLF001 - of the same class
         return other
 
     @contextmanager

@@ -31,7 +31,8 @@ def apply_results(game: Row, pieces: Rows, log: Rows, rules: Row) -> np.uint32:
 def _suffer(i: int, game: Row, pieces: Rows, log: Rows, rules: Row) -> np.uint32:
     piece = pieces[i]
     losses = int(piece.losses_now)
-    if piece.kind == PieceType.SOLDIER and piece.suppressed and piece.zero_now:
+    before = piece.suppressed and piece.keep_ends < game.tick + rules.keep_ticks  # not in this step
+    if piece.kind == PieceType.SOLDIER and before and piece.zero_now:
         losses += 1
     losses = min(losses, int(piece.blood))
     if losses > 0:

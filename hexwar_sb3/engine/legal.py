@@ -71,7 +71,7 @@ class Advisor:
         row.kind = Action.INDIRECT_SHOOT
         tables = (self.pieces, self.rules, self.cells, self.los)
         classes = mortar_classes(i, row, self.game, *tables)
-        for cell in np.flatnonzero(classes != NOT_LEGAL):
+        for cell in map(int, np.flatnonzero(classes != NOT_LEGAL)):
             apart = int(cells_apart(self.cells, here, cell))
             chances = burst_chances(int(classes[cell]), apart, self.rules)
             yield IndirectShoot(self.roster.short(i), self.roster.cell_name(cell), chances)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from functools import singledispatch
-
 from hexwar_sb3.engine.orders import (
     ORDERS,
     GetOff,
@@ -34,7 +32,24 @@ def write_order(order: Order, i: int, row: Row, roster: Roster, pieces: Rows, ce
     """
     clear_order(row)
     row.kind = order.action
-    _fill(order, i, row, roster, pieces, cells)
+    camp = roster.camps[i]
+    match order:
+        case Move():
+            _write_path(_directions(order, int(pieces[i].cell), roster, cells), row)
+        case Shoot():
+            row.target = roster.index_in(enemy_of(camp), order.target)
+            row.weapon = Weapon[order.weapon]
+        case GuideShoot():
+            row.target = roster.index_in(enemy_of(camp), order.target)
+            row.partner = roster.index_in(camp, order.chariot)
+            row.weapon = Weapon.HEAVY
+        case IndirectShoot():
+            row.cell = roster.cell(order.cell)
+            row.weapon = Weapon.MORTAR
+        case GetOn():
+            row.target = roster.index_in(camp, order.chariot)
+        case GetOff():
+            row.target = roster.index_in(camp, order.passenger)
 
 
 def clear_order(row: Row) -> None:
@@ -49,51 +64,16 @@ def clear_order(row: Row) -> None:
     row.path[:] = 0
 
 
-@singledispatch
-def _fill(order: Order, i: int, row: Row, roster: Roster, pieces: Rows, cells: Rows) -> None:
-    """Orders without parameters need only their kind."""
-
-
-@_fill.register
-def _(order: Move, i: int, row: Row, roster: Roster, pieces: Rows, cells: Rows) -> None:
-    directions = _directions(order, int(pieces[i].cell), roster, cells)
+def _write_path(directions: list[int], row: Row) -> None:
     row.path_len = min(len(directions), _TOO_LONG)
     for k, direction in enumerate(directions[:PATH_CELLS]):
         row.path[k] = direction
 
 
-@_fill.register
-def _(order: Shoot, i: int, row: Row, roster: Roster, pieces: Rows, cells: Rows) -> None:
-    row.target = roster.index_in(enemy_of(roster.camps[i]), order.target)
-    row.weapon = Weapon[order.weapon]
-
-
-@_fill.register
-def _(order: GuideShoot, i: int, row: Row, roster: Roster, pieces: Rows, cells: Rows) -> None:
-    row.target = roster.index_in(enemy_of(roster.camps[i]), order.target)
-    row.partner = roster.index_in(roster.camps[i], order.chariot)
-    row.weapon = Weapon.HEAVY
-
-
-@_fill.register
-def _(order: IndirectShoot, i: int, row: Row, roster: Roster, pieces: Rows, cells: Rows) -> None:
-    row.cell = roster.cell(order.cell)
-    row.weapon = Weapon.MORTAR
-
-
-@_fill.register
-def _(order: GetOn, i: int, row: Row, roster: Roster, pieces: Rows, cells: Rows) -> None:
-    row.target = roster.index_in(roster.camps[i], order.chariot)
-
-
-@_fill.register
-def _(order: GetOff, i: int, row: Row, roster: Roster, pieces: Rows, cells: Rows) -> None:
-    row.target = roster.index_in(roster.camps[i], order.passenger)
-
-
 def _directions(order: Move, start: int, roster: Roster, cells: Rows) -> list[int]:
     """Directions of a path; GAP where a step names no neighbour."""
-    found, here = [], start
+    found: list[int] = []
+    here = start
     for step in order.path:
         if step in DIRECTION_NAMES:
             direction = DIRECTION_NAMES.index(step)

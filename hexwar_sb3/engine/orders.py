@@ -67,7 +67,7 @@ class Order:
             OrderError: the text is no order; says what was expected.
         """
         words = text.split()
-        if len(words) < 2:  # noqa: PLR2004 - a piece and a verb
+        if len(words) < 2:
             raise OrderError(f"order {text!r}: expected a piece and an action, like 'tank0 move 1134'")
         piece, action, *rest = words
         if action not in _BY_VERB:
@@ -114,10 +114,12 @@ class Move(Order):
         object.__setattr__(self, "path", tuple(steps))
 
     def words(self) -> tuple[str, ...]:
+        """The parameters as text, in the order of the fields."""
         return self.path
 
     @classmethod
     def from_words(cls, piece: str, words: Sequence[str]) -> Move:
+        """Every word is a step of the path."""
         return cls(piece, words)
 
 
@@ -155,6 +157,7 @@ class Shoot(Order):
         object.__setattr__(self, "weapon", weapon_name(self.weapon))
 
     def words(self) -> tuple[str, ...]:
+        """The parameters as text, in the order of the fields."""
         return self.target, self.weapon
 
 
@@ -168,6 +171,7 @@ class GuideShoot(Order):
     action: ClassVar[Action] = Action.GUIDE_SHOOT
 
     def words(self) -> tuple[str, ...]:
+        """The parameters as text, in the order of the fields."""
         return self.target, self.chariot
 
 
@@ -180,6 +184,7 @@ class IndirectShoot(Order):
     action: ClassVar[Action] = Action.INDIRECT_SHOOT
 
     def words(self) -> tuple[str, ...]:
+        """The parameters as text, in the order of the fields."""
         return (self.cell,)
 
 
@@ -191,6 +196,7 @@ class GetOn(Order):
     action: ClassVar[Action] = Action.GET_ON
 
     def words(self) -> tuple[str, ...]:
+        """The parameters as text, in the order of the fields."""
         return (self.chariot,)
 
 
@@ -202,6 +208,7 @@ class GetOff(Order):
     action: ClassVar[Action] = Action.GET_OFF
 
     def words(self) -> tuple[str, ...]:
+        """The parameters as text, in the order of the fields."""
         return (self.passenger,)
 
 
@@ -225,7 +232,7 @@ def weapon_name(weapon: str) -> str:
     Raises:
         OrderError: no such weapon.
     """
-    name = weapon.name if isinstance(weapon, Weapon) else str(weapon).upper()
+    name = str(weapon).upper()
     if name not in Weapon.__members__:
         raise OrderError(f"unknown weapon {weapon!r}{did_you_mean(name, Weapon.__members__)}")
     return name

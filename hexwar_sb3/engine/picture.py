@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -85,13 +85,13 @@ def tell(replay: Replay) -> Story:
 
 
 def _add_event(story: Story, event: Line) -> None:
-    piece, kind, cell = event["piece"], event["kind"], event.get("cell")
+    piece, kind, cell = event["piece"], event["kind"], event.get("cell", "")
     camp = piece.split(":")[0]
     mark = Mark(camp, cell, event["tick"])
     if kind in {"arrived", "off"}:
         story.paths[piece].append(cell)
     elif kind in _SHOTS:
-        start = story.paths[event.get("shooter", piece)][-1]
+        start = story.paths[event.get("shooter") or piece][-1]
         story.shots.append(Shot(camp, start, cell, event["result"] > 0))
     elif kind in _ROUNDS:
         story.rounds.append(mark)
@@ -136,7 +136,7 @@ def _draw_marks(axes: Axes, hexmap: HexMap, story: Story) -> None:
 
 
 def _draw_legend(axes: Axes) -> None:
-    ink = {"color": "#33302b", "linestyle": "none"}
+    ink: dict[str, Any] = {"color": "#33302b", "linestyle": "none"}
     entries = [
         *(Line2D([], [], color=colour, label=f"{camp}: path") for camp, colour in _COLOUR.items()),
         Line2D([], [], color="#33302b", linewidth=0.9, label="shot (bold: with loss)"),

@@ -157,46 +157,6 @@ class Case:
         return self.roster.spoken(i)
 
 
-_FACTS: dict[str, Callable[[Case], object]] = {
-    "tick": lambda case: int(case.game.tick),
-    "piece": lambda case: case.spoken(case.i),
-    "camp": lambda case: camp_name(case.me.camp),
-    "kind": lambda case: kind_name(case.me.kind),
-    "here": lambda case: case.roster.cell_name(case.me.cell),
-    "carrier": lambda case: case.spoken(case.me.carrier),
-    "doing": lambda case: doing(case.me),
-    "verb": lambda case: verb(case.order.action),
-    "does": lambda case: _DOES[case.order.action],
-    "busy_ticks": lambda case: busy_ticks(case),
-    "keep_ticks": lambda case: case.left(case.me.keep_ends),
-    "cool_ticks": lambda case: case.left(case.me.cool_ends),
-    "mortar_ticks": lambda case: case.left(case.me.mortar_ends),
-    "stop_ticks": lambda case: case.rules.stop_ticks,
-    "decompress_above_ticks": lambda case: case.rules.decompress_above_ticks,
-    "hop_done": lambda case: int(hop_progress(case.me, case.game.tick)),
-    "hop_need": lambda case: case.me.hop_need,
-    "hop_from": lambda case: bad_hop(case)[0],
-    "hop_to": lambda case: bad_hop(case)[1],
-    "path_cells": lambda case: len(case.order.words()),
-    "path_limit": lambda case: case.rules.path_limit,
-    "target": lambda case: case.spoken(case.row.target),
-    "weapon": lambda case: Weapon(case.row.weapon).name,
-    "weapons": lambda case: weapons(case.me, case.rules),
-    "armed": lambda case: case.spoken(case.shooter),
-    "aim": lambda case: aim(case),
-    "apart": lambda case: int(cells_apart(case.cells, case.pieces[case.shooter].cell, case.aim_cell)),
-    "uphill": lambda case: uphill(case),
-    "reach": lambda case: reach(case),
-    "partner": lambda case: case.spoken(case.partner),
-    "partner_doing": lambda case: partner_doing(case.pieces[case.partner], case.game),
-    "partners": lambda case: partners(case),
-    "wrong_type": lambda case: wrong_type(case),
-    "crowd": lambda case: int(count_in(case.pieces, case.me.camp, case.me.cell)),
-    "crowd_limit": lambda case: case.rules.stack_limit - 1,
-    "n_actions": lambda case: len(Action),
-}
-
-
 def kind_name(kind: int) -> str:
     """Type of a piece in a sentence: "tank"."""
     return PieceType(int(kind)).name.lower()
@@ -299,3 +259,44 @@ def bad_hop(case: Case) -> tuple[str, str]:
             return case.roster.cell_name(here), step
         here = int(case.cells[here].neighbour[direction])
     return case.roster.cell_name(case.me.cell), steps[0]
+
+
+_FACTS: dict[str, Callable[[Case], object]] = {
+    "tick": lambda case: int(case.game.tick),
+    "piece": lambda case: case.spoken(case.i),
+    "camp": lambda case: camp_name(case.me.camp),
+    "kind": lambda case: kind_name(case.me.kind),
+    "here": lambda case: case.roster.cell_name(case.me.cell),
+    "carrier": lambda case: case.spoken(case.me.carrier),
+    "doing": lambda case: doing(case.me),
+    "verb": lambda case: verb(case.order.action),
+    "does": lambda case: _DOES[case.order.action],
+    "busy_ticks": busy_ticks,
+    "keep_ticks": lambda case: case.left(case.me.keep_ends),
+    "cool_ticks": lambda case: case.left(case.me.cool_ends),
+    "mortar_ticks": lambda case: case.left(case.me.mortar_ends),
+    "stop_ticks": lambda case: case.rules.stop_ticks,
+    "decompress_above_ticks": lambda case: case.rules.decompress_above_ticks,
+    "hop_done": lambda case: int(hop_progress(case.me, case.game.tick)),
+    "hop_need": lambda case: case.me.hop_need,
+    "hop_from": lambda case: bad_hop(case)[0],
+    "hop_to": lambda case: bad_hop(case)[1],
+    "path_cells": lambda case: len(case.order.words()),
+    "path_limit": lambda case: case.rules.path_limit,
+    "target": lambda case: case.spoken(case.row.target),
+    "weapon": lambda case: Weapon(case.row.weapon).name,
+    "weapons": lambda case: weapons(case.me, case.rules),
+    "armed": lambda case: case.spoken(case.shooter),
+    "aim": aim,
+    "apart": lambda case: int(cells_apart(case.cells, case.pieces[case.shooter].cell, case.aim_cell)),
+    "uphill": uphill,
+    "reach": reach,
+    "partner": lambda case: case.spoken(case.partner),
+    "partner_doing": lambda case: partner_doing(case.pieces[case.partner], case.game),
+    "partners": partners,
+    "wrong_type": wrong_type,
+    "crowd": lambda case: int(count_in(case.pieces, case.me.camp, case.me.cell)),
+    "crowd_limit": lambda case: case.rules.stack_limit - 1,
+    "n_actions": lambda _: len(Action),
+}
+"""What the words in braces of the sentences stand for."""

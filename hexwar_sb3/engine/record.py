@@ -7,6 +7,7 @@ The recorder only looks on: whoever makes the steps, `Game` or a loop over a bat
 from __future__ import annotations
 
 import hashlib
+from dataclasses import replace
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -28,7 +29,14 @@ from hexwar_sb3.rules.enums import Action
 Line: TypeAlias = dict[str, Any]  # one line of a replay file
 
 STATE_TICKS = 75  # between two state lines (replays.md)
-_CLOCKS = frozenset({"tick", "log_count"})  # a state is the same state until something happens
+_HASHED = {
+    "games": "seed salt over point_owner fight_cell fight_next",
+    "pieces": "cell sees blood ammo hidden suppressed carrier passenger path_pos path_len arrives_at hop_need"
+    " waiting stop_ends stop_forced stop_pending hide_ends board_ends board_kind board_partner"
+    " decompress_ends cool_ends mortar_ends keep_ends",
+    "memory": "seen cell tick blood",
+    "rounds": "status blood_at_launch hit cell impact fired_at land_at end_at judged",
+}
 
 
 class Recorder:
@@ -91,8 +99,7 @@ class Recorder:
         if event.kind != "refused":
             return event
         i = self.roster.index(event.piece)
-        words = {"order": str(self._given[i]), "reason": reasons[i]}
-        return GameEvent(tick=event.tick, kind=event.kind, piece=event.piece, cell=event.cell, **words)
+        return replace(event, order=str(self._given[i]), reason=reasons[i])
 
     def _note_orders(self, tick: int, reasons: dict[int, str]) -> None:
         for camp in SIDES:
@@ -136,12 +143,16 @@ def _piece_state(i: int, piece: Row, roster: Roster) -> list[Any]:
 
 
 def state_hash(state: State, b: int) -> str:
-    """Hash of everything that game b will ever depend on, but the clock: 16 hex digits."""
+    """Hash of what the rules say of game b, but the clock: 16 hex digits.
+
+    Only named fields count, by value: a field that is added to a record for other ends leaves the
+    hashes of old replays as they are.
+    """
     digest = hashlib.sha256()
-    for rows in (state.games[b], state.pieces[b], state.memory[b], state.rounds[b]):
-        for name in rows.dtype.names:
-            if name not in _CLOCKS:
-                digest.update(np.ascontiguousarray(rows[name]).tobytes())
+    for array, names in _HASHED.items():
+        rows = getattr(state, array)[b]
+        for name in names.split():
+            digest.update(np.ascontiguousarray(rows[name]).astype("<u8").tobytes())
     for piece, path in zip(state.pieces[b], state.paths[b], strict=True):
-        digest.update(path[piece.path_pos : piece.path_len].tobytes())
+        digest.update(path[piece.path_pos : piece.path_len].astype("u1").tobytes())
     return digest.hexdigest()[:16]

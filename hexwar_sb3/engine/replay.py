@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from datetime import UTC, datetime
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -32,6 +33,7 @@ FORMAT = "hexwar-replay"
 FORMAT_VERSION = 1
 MAX_SEED = 2**64 - 1
 _BODY = frozenset({"orders", "edit", "event", "state", "view"})
+_OPEN = ("type", "format", "version", "players", "created")  # of the head, in a camp's own record
 _PLAYED = frozenset({"orders", "edit", "state"})
 
 
@@ -246,7 +248,7 @@ class Replay:
 
     def for_camp(self, camp: str) -> Replay:
         """What one camp may see of it: no seed, hashes, enemy orders, true score or final margin."""
-        head = {key: self.head[key] for key in ("type", "format", "version", "players", "created") if key in self.head}
+        head: Line = {key: self.head[key] for key in _OPEN if key in self.head}
         scenario = {key: value for key, value in self.head["scenario"].items() if key != "hash"}
         scenario["map"] = {k: v for k, v in scenario["map"].items() if k not in {"hash", "seed"}}
         head |= {"camp": camp, "rules": {"version": self.head["rules"]["version"]}, "scenario": scenario}
@@ -254,8 +256,6 @@ class Replay:
 
 
 def _head(recorder: Recorder, seed: int, players: dict[str, PlayerName | None]) -> Line:
-    from hexwar_sb3 import __version__
-
     world = recorder.world
     named = {camp: player or PlayerName(name="unknown") for camp, player in players.items()}
     return {
@@ -270,7 +270,7 @@ def _head(recorder: Recorder, seed: int, players: dict[str, PlayerName | None]) 
         "scenario": scenario_document(world.scenario),
         "seed": seed & MAX_SEED,
         "players": {camp: player.as_dict() for camp, player in named.items()},
-        "software": __version__,
+        "software": import_module("hexwar_sb3").__version__,
         "created": datetime.now(UTC).isoformat(timespec="seconds"),
     }
 

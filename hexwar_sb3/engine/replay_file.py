@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NoReturn, TypeAlias
 
@@ -22,7 +22,7 @@ Line: TypeAlias = dict[str, Any]
 MAX_FILE_BYTES = 4_000_000  # a whole game has about 40,000
 MAX_TEXT_BYTES = 64_000_000  # after decompression
 MAX_LINES = 200_000
-_CHUNK_BYTES = 1 << 16
+_CHUNK_BYTES = 256  # packed; a bomb unpacks to at most some megabytes a chunk
 _LEVEL = 19  # of compression: written once, read often
 _MAGIC = b"\x28\xb5\x2f\xfd"
 
@@ -82,23 +82,19 @@ def _packed(path: Path) -> bytes:
 
 
 def _unpacked(path: Path, packed: bytes) -> bytes:
-    """The text, given up as soon as it is longer than any game's."""
-    text = bytearray()
-    try:
-        for chunk in _chunks(packed):
-            text += chunk
-            if len(text) > MAX_TEXT_BYTES:
-                fail(path, "file", f"more than {MAX_TEXT_BYTES} bytes unpacked", "one game")
-    except zstandard.ZstdError as problem:
-        place = f"byte {len(text)} unpacked"
-        raise ReplayFileError(path, place, found=str(problem), expected="whole zstd data") from problem
+    """The text; given up as soon as it is longer than any game's."""
+    text, unpacker = bytearray(), zstandard.ZstdDecompressor().decompressobj()
+    for start in range(0, len(packed), _CHUNK_BYTES):
+        try:
+            text += unpacker.decompress(packed[start : start + _CHUNK_BYTES])
+        except zstandard.ZstdError as problem:
+            place = f"byte {len(text)} unpacked"
+            raise ReplayFileError(path, place, found=str(problem), expected="whole zstd data") from problem
+        if len(text) > MAX_TEXT_BYTES:
+            fail(path, "file", f"more than {MAX_TEXT_BYTES} bytes unpacked", "one game")
+    if not unpacker.eof or unpacker.unused_data:
+        fail(path, f"byte {len(packed)}", "no end of the zstd data there", "one whole zstd frame")
     return bytes(text)
-
-
-def _chunks(packed: bytes) -> Iterator[bytes]:
-    with zstandard.ZstdDecompressor().stream_reader(packed) as reader:
-        while chunk := reader.read(_CHUNK_BYTES):
-            yield chunk
 
 
 def _parsed(path: Path, number: int, line: bytes) -> Line:

@@ -19,7 +19,7 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -108,10 +108,17 @@ def _map_line(board: Board, words: list[str]) -> None:
 
 def plain_map(width: int, height: int) -> HexMap:
     """An open, flat, dry map."""
-    layers = {layer: np.zeros((height, width), np.bool_) for layer in LAYERS}
-    layers["passable"] = playable_mask(width, height)
-    elev_m = np.zeros((height, width), np.int16)
-    return HexMap(name=f"plain-{width}x{height}", grade_m=BOARD_GRADE_M, elev_m=elev_m, **layers)
+    nowhere = np.zeros((height, width), np.bool_)
+    return HexMap(
+        name=f"plain-{width}x{height}",
+        grade_m=BOARD_GRADE_M,
+        elev_m=np.zeros((height, width), np.int16),
+        passable=playable_mask(width, height),
+        paved=nowhere,
+        concealed=nowhere.copy(),
+        slushy=nowhere.copy(),
+        controllable=nowhere.copy(),
+    )
 
 
 def _cell_line(board: Board, words: list[str]) -> None:
@@ -128,7 +135,7 @@ def _cell_line(board: Board, words: list[str]) -> None:
             layers[mark].flat[cells] = True
         else:
             raise ConfigError(f"unknown mark {mark!r}; expected elev, blocked or one of {LAYERS}")
-    board.hexmap = HexMap(name=board.map.name, grade_m=BOARD_GRADE_M, elev_m=elev_m, **layers)
+    board.hexmap = replace(board.map, elev_m=elev_m, **layers)
 
 
 def _point_line(board: Board, words: list[str]) -> None:

@@ -23,6 +23,7 @@ from hexwar_sb3.engine.roster import Roster, camp_name, enemy_of
 from hexwar_sb3.engine.score import known_margin, own_total
 from hexwar_sb3.engine.state import State
 from hexwar_sb3.engine.world import World
+from hexwar_sb3.errors import UnknownNameError
 from hexwar_sb3.kernels import Row
 from hexwar_sb3.maps.hexmap import HexMap
 from hexwar_sb3.rules.compiled import NO_POOL
@@ -147,8 +148,15 @@ class SideView:
         return {name: _plain(getattr(self, name)) for name in names}
 
     def piece(self, name: str) -> OwnPiece:
-        """An own piece by its name."""
-        return next(piece for piece in self.own if piece.name == name)
+        """An own piece by its name.
+
+        Raises:
+            UnknownNameError: the camp has no such piece.
+        """
+        pieces = {piece.name: piece for piece in self.own}
+        if name not in pieces:
+            raise UnknownNameError("piece", name, pieces)
+        return pieces[name]
 
 
 def side_view(camp: int, state: State, b: int, world: World) -> SideView:
@@ -175,7 +183,9 @@ class _Viewer:
             over=bool(game.over),
             own=tuple(self._own(i) for i in self.own),
             seen=tuple(self._seen(i) for i in self.enemies if self._known(i).seen),
-            lost=tuple(self._lost(i) for i in self.enemies if self._is_lost(i)),
+            lost=tuple(
+                self._lost(i) for i in self.enemies if not (self._known(i).seen or self._never_seen(i))
+            ),
             unseen=tuple(self._unseen(i) for i in self.enemies if self._never_seen(i)),
             points=tuple(self._point(k) for k in range(game.n_points)),
             rounds=tuple(self._round(r) for r in self.rounds if self._is_own_round(r)),
@@ -185,8 +195,6 @@ class _Viewer:
             known_margin=int(known_margin(game, pieces, memory, self.camp, rules)),
             hexmap=self.world.scenario.hexmap,
         )
-
-    # --- pieces ----------------------------------------------------------------------------------
 
     def _own(self, i: int) -> OwnPiece:
         piece = self.pieces[i]
@@ -250,9 +258,6 @@ class _Viewer:
     def _never_seen(self, i: int) -> bool:
         return bool(self._known(i).cell == NO_CELL)
 
-    def _is_lost(self, i: int) -> bool:
-        return not self._known(i).seen and not self._never_seen(i)
-
     def _path(self, i: int) -> list[str]:
         piece, cells = self.pieces[i], self.world.cells
         names, here = [], int(piece.cell)
@@ -264,8 +269,6 @@ class _Viewer:
     def _ammo(self, piece: Row) -> list[tuple[str, int]]:
         pools = self.world.rules[0].pool[piece.kind]
         return [(w.name, int(piece.ammo[pools[w]])) for w in Weapon if pools[w] != NO_POOL]
-
-    # --- the rest --------------------------------------------------------------------------------
 
     def _point(self, k: int) -> PointView:
         point = self.world.scenario.points[k]

@@ -5,8 +5,9 @@ from __future__ import annotations
 from hexwar_sb3.kernels import Row, Rows, kernel
 from hexwar_sb3.tasks.known import end_piece, first_piece
 
-_STRIDE = 4_194_301  # a prime; with _BITS no product leaves 64 bits
-_BITS = (1 << 40) - 1
+_BITS = (1 << 62) - 1
+_STRIDE = 0x2545F4914F6CDD1D  # any large odd number: its powers tell the fields apart
+_KEYS = tuple(pow(_STRIDE, k, _BITS + 1) for k in range(1, 16))
 
 
 @kernel
@@ -23,41 +24,44 @@ def fingerprint(camp: int, game: Row, pieces: Rows, memory: Rows, rounds: Rows) 
     """A number for all that the camp's orders may depend on, the clock apart."""
     known = 1
     for i in range(first_piece(camp, game), end_piece(camp, game)):
-        known = fold_own(known, pieces[i])
+        known = fold(known, own_key(pieces[i]))
     for j in range(first_piece(1 - camp, game), end_piece(1 - camp, game)):
-        known = fold_enemy(known, memory[camp, j])
+        known = fold(known, enemy_key(memory[camp, j]))
     for k in range(game.n_points):
-        known = fold(known, game.point_owner[k], 0)
+        known = fold(known, int(game.point_owner[k]))
     for r in range(rounds.size):
         if pieces[rounds[r].owner].camp == camp:
-            known = fold(known, rounds[r].status, 0)
+            known = fold(known, int(rounds[r].status))
     return known
 
 
 @kernel
-def fold(known: int, a: int, b: int) -> int:
-    """Mix two numbers of 16 bits into a fingerprint."""
-    return (known * _STRIDE + (int(a) << 16) + int(b)) & _BITS
+def fold(known: int, key: int) -> int:
+    """Mix one more number into a fingerprint."""
+    return (known * _STRIDE + key) & _BITS
 
 
 @kernel
-def fold_own(known: int, piece: Row) -> int:
-    """Mix in an own piece: place, movement, timers, health, sight."""
-    known = fold(known, piece.cell, piece.arrives_at)
-    known = fold(known, piece.stop_ends, piece.hide_ends)
-    known = fold(known, piece.board_ends, piece.decompress_ends)
-    known = fold(known, piece.cool_ends, piece.mortar_ends)
-    known = fold(known, piece.keep_ends, (int(piece.path_pos) << 7) + int(piece.path_len))
+def own_key(piece: Row) -> int:
+    """A number for an own piece: place, movement, timers, health, sight."""
+    timers = (
+        int(piece.arrives_at) * _KEYS[0] + int(piece.stop_ends) * _KEYS[1] + int(piece.hide_ends) * _KEYS[2]
+    )
+    timers += int(piece.board_ends) * _KEYS[3] + int(piece.decompress_ends) * _KEYS[4]
+    timers += (
+        int(piece.cool_ends) * _KEYS[5] + int(piece.mortar_ends) * _KEYS[6] + int(piece.keep_ends) * _KEYS[7]
+    )
+    path = int(piece.path_pos) * _KEYS[8] + int(piece.path_len) * _KEYS[9]
     flags = (
         int(piece.hidden) + 2 * int(piece.suppressed) + 4 * int(piece.waiting) + 8 * int(piece.stop_pending)
     )
-    known = fold(known, (int(piece.blood) << 4) + flags, piece.carrier)
-    return fold(known, int(piece.sees) >> 16, int(piece.sees) & 0xFFFF)
+    health = int(piece.blood) * _KEYS[10] + flags * _KEYS[11] + int(piece.carrier) * _KEYS[12]
+    return (timers + path + health + int(piece.cell) * _KEYS[13] + int(piece.sees) * _KEYS[14]) & _BITS
 
 
 @kernel
-def fold_enemy(known: int, enemy: Row) -> int:
-    """Mix in what is remembered of an enemy, but for the ticks."""
+def enemy_key(enemy: Row) -> int:
+    """A number for what is remembered of an enemy, but for the ticks."""
     flags = int(enemy.hidden) + 2 * int(enemy.suppressed) + 4 * int(enemy.moving) + 8 * int(enemy.seen)
-    known = fold(known, enemy.cell, enemy.next_cell)
-    return fold(known, enemy.blood, flags)
+    place = int(enemy.cell) * _KEYS[0] + int(enemy.next_cell) * _KEYS[1]
+    return (place + int(enemy.blood) * _KEYS[2] + flags * _KEYS[3]) & _BITS

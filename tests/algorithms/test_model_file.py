@@ -143,6 +143,19 @@ def test_a_save_that_fails_leaves_the_old_file(
     assert [file.name for file in tmp_path.iterdir()] == ["model.zip"]
 
 
+def test_a_replay_comes_back_without_its_running_games(
+    model: QMIX, make_model: MakeModel, tmp_path: Path
+) -> None:
+    model.save_replay_buffer(tmp_path / "replay.npz")
+    other = make_model()
+
+    other.load_replay_buffer(tmp_path / "replay.npz")
+
+    assert len(other.replay_buffer) == len(model.replay_buffer) == 160
+    assert other.replay_buffer.done.sum() == model.replay_buffer.done.sum() + 4
+    other.learn(60)
+
+
 def fail(*_: object) -> None:
     raise OSError("no space left")
 

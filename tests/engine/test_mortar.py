@@ -100,7 +100,9 @@ def test_a_round_whose_owner_takes_a_soldier_aboard_lands() -> None:
     assert len(of_kind(game.advance(100), "mortar_landed")) == 1
 
 
-@pytest.mark.parametrize(("klass", "more"), [(0, ""), (1, "red tank 0805"), (2, "red tank 0805\nblue chariot 0905")])
+@pytest.mark.parametrize(
+    ("klass", "more"), [(0, ""), (1, "red tank 0805"), (2, "red tank 0805\nblue chariot 0905")]
+)
 def test_where_a_round_lands_depends_on_who_observes(klass: int, more: str) -> None:
     """Section 9: correction class 0 nobody looks, 1 an own piece looks there, 2 it sees an enemy there."""
     wall = "cell 0301 0302 0303 0304 0305 0306 0307 0308 0309 elev 200\n"

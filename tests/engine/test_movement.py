@@ -18,7 +18,12 @@ def arrivals(events: list[GameEvent], piece: str) -> list[tuple[str | None, int]
     ("rule", "ticks", "kind", "cells"),
     [
         ("a vehicle needs 20 s a cell", 20, "tank", ""),
-        ("a road takes 20 s over any ground", 20, "chariot", "cell 0101 0201 paved elev 0\ncell 0201 slushy concealed"),
+        (
+            "a road takes 20 s over any ground",
+            20,
+            "chariot",
+            "cell 0101 0201 paved elev 0\ncell 0201 slushy concealed",
+        ),
         ("a road up a hill takes 20 s", 20, "tank", "cell 0101 0201 paved\ncell 0201 elev 50"),
         ("one paved cell is no road", 40, "tank", "cell 0201 paved concealed"),
         ("forest doubles the time", 40, "tank", "cell 0201 concealed"),
@@ -174,7 +179,9 @@ def test_two_enemies_that_move_into_each_others_cells_pass() -> None:
 
 def test_aerocraft_do_not_count_for_stacking_and_do_not_fight_hand_to_hand() -> None:
     """Section 13, aerocraft."""
-    game = Game.from_text(FULL + "red aerocraft 0201 moving 0301\nblue aerocraft 0401 moving 0301\nred tank 0103")
+    game = Game.from_text(
+        FULL + "red aerocraft 0201 moving 0301\nblue aerocraft 0401 moving 0301\nred tank 0103"
+    )
     events = game.advance(8)
     assert [(event.kind, event.cell) for event in events] == [("arrived", "0301")] * 2
 
@@ -194,7 +201,9 @@ def test_a_tank_fires_its_gun_on_the_move_in_a_natural_stop_and_while_it_hides()
     board = "map plain-5x5\nred tank 0101\nblue soldier 0303"
     shot = Shoot("tank0", "soldier0", "GUN")
     for word in ("moving 0102", "stopping"):
-        assert Game.from_text(board.replace("tank 0101", f"tank 0101 {word}")).why_illegal("red", shot) is None
+        assert (
+            Game.from_text(board.replace("tank 0101", f"tank 0101 {word}")).why_illegal("red", shot) is None
+        )
     game = Game.from_text(board)
     game.submit("red", Hide("tank0"))
     game.advance(30)

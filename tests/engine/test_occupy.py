@@ -36,10 +36,14 @@ def test_a_soldier_occupies_as_soon_as_it_arrives() -> None:
     assert game.submit("red", Occupy("soldier0")) == [None]
 
 
-@pytest.mark.parametrize("enemy", ["soldier 0303", "soldier 0203", "soldier 0202", "tank 0304", "chariot 0403 hidden"])
+@pytest.mark.parametrize(
+    "enemy", ["soldier 0303", "soldier 0203", "soldier 0202", "tank 0304", "chariot 0403 hidden"]
+)
 def test_no_point_is_occupied_beside_a_living_enemy(enemy: str) -> None:
     """Section 4, occupy: in the cell and its 6 neighbours; seen or not."""
-    game = Game.from_text(f"map plain-9x5\npoint main 0303 80\nred tank 0303\nblue {enemy.replace('0303', '0903')}")
+    game = Game.from_text(
+        f"map plain-9x5\npoint main 0303 80\nred tank 0303\nblue {enemy.replace('0303', '0903')}"
+    )
     if "0303" in enemy:
         with game.edit() as state:
             state["blue:soldier0"].cell = "0303"
@@ -94,7 +98,9 @@ def test_both_camps_beside_a_point_block_each_other() -> None:
 
 def test_a_point_stays_with_its_camp_after_the_holder_leaves_or_dies() -> None:
     """Section 13."""
-    game = Game.from_text("map plain-9x5\npoint main 0303 80 red\nred tank 0303\nred tank 0203\nblue tank 0903")
+    game = Game.from_text(
+        "map plain-9x5\npoint main 0303 80 red\nred tank 0303\nred tank 0203\nblue tank 0903"
+    )
     game.submit("red", Move("tank0", ["0403", "0503"]))
     game.advance(100)
     assert owner(game) == "red"

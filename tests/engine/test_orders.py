@@ -26,7 +26,7 @@ from hexwar_sb3.engine.orders import (
 )
 from hexwar_sb3.engine.records import ORDER, PATH_CELLS
 from hexwar_sb3.errors import OrderError, UnknownNameError
-from hexwar_sb3.rules.enums import Action, Weapon
+from hexwar_sb3.rules.enums import Action
 
 TEXTS = {
     "tank0 null": Null("tank0"),
@@ -94,7 +94,6 @@ def test_a_path_by_directions_is_the_same_path_by_cells(steps: list[str]) -> Non
 def test_names_need_no_camp_where_it_is_clear(game: Game) -> None:
     """An own piece may be written with its camp, a target without."""
     assert as_read(Shoot("red:tank0", "chariot0", "gun"), game) == Shoot("tank0", "blue:chariot0", "GUN")
-    assert Shoot("tank0", "tank0", Weapon.GUN) == Shoot("tank0", "tank0", "GUN")
 
 
 def test_a_gap_in_a_path_is_no_direction(game: Game) -> None:

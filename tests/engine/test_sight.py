@@ -11,8 +11,10 @@ from hexwar_sb3.engine.view import SideView
 
 def sees(observer: str, target: str, apart: int, cells: str = "") -> bool:
     """Does a red piece see a blue one so many cells to the east?"""
-    name = f"{2 + apart:02d}02"
-    game = Game.from_text(f"map plain-60x3\n{cells}\nred {observer} 0202\nblue {target.split()[0]} {name} {' '.join(target.split()[1:])}")
+    kind, *words = target.split()
+    place = f"{2 + apart:02d}02"
+    board = f"map plain-60x3\n{cells}\nred {observer} 0202\nblue {kind} {place} {' '.join(words)}"
+    game = Game.from_text(board)
     return bool(game.view("red").own[0].sees)
 
 
@@ -24,7 +26,9 @@ def range_of(observer: str, target: str, cells: str = "") -> int:
 
 
 @pytest.mark.parametrize("observer", ["tank", "chariot", "soldier"])
-@pytest.mark.parametrize(("target", "reach"), [("soldier", 10), ("tank", 25), ("chariot", 25), ("aerocraft", 5)])
+@pytest.mark.parametrize(
+    ("target", "reach"), [("soldier", 10), ("tank", 25), ("chariot", 25), ("aerocraft", 5)]
+)
 def test_how_far_ground_pieces_see(observer: str, target: str, reach: int) -> None:
     """Section 6, first row of the table."""
     assert range_of(observer, target) == reach
@@ -60,13 +64,13 @@ def test_hiding_halves_sight(rule: str, observer: str, target: str, cells: str, 
         ("an aerocraft is never concealed", "aerocraft", 5, True),
     ],
 )
-def test_cover_halves_sight(rule: str, target: str, apart: int, seen: bool) -> None:  # noqa: FBT001
+def test_cover_halves_sight(rule: str, target: str, apart: int, seen: bool) -> None:
     """Section 6: x 1/2 again."""
     assert sees("tank", target, apart, f"cell {2 + apart:02d}02 concealed") == seen, rule
 
 
 @pytest.mark.parametrize(("hill", "seen"), [("0202", True), ("1602", False)])
-def test_a_hidden_vehicle_is_no_smaller_from_above(hill: str, seen: bool) -> None:  # noqa: FBT001
+def test_a_hidden_vehicle_is_no_smaller_from_above(hill: str, seen: bool) -> None:
     """Section 6: except a vehicle whose cell is lower than the observer's."""
     assert sees("tank", "tank hidden", 14, f"cell {hill} elev 30") == seen
 

