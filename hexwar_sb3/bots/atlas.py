@@ -11,13 +11,13 @@ import numpy as np
 import numpy.typing as npt
 
 from hexwar_sb3.bots.config import ATTACK, CONFIG, DEFENCE, compiled
-from hexwar_sb3.bots.records import AROUND, ATLAS, BAND_CELLS, NESTS, POSTS, REACH, SPENT
+from hexwar_sb3.bots.records import ATLAS, BAND_CELLS, NESTS, POSTS, REACH, SPENT
 from hexwar_sb3.engine.pieces import target_class
 from hexwar_sb3.engine.records import NO_CELL
 from hexwar_sb3.engine.sight import line_of_sight
 from hexwar_sb3.engine.world import World
 from hexwar_sb3.kernels import Row, Rows, kernel
-from hexwar_sb3.maps.geometry import cells_apart, frame_cell
+from hexwar_sb3.maps.geometry import cells_apart
 from hexwar_sb3.rules.compiled import NO_POOL
 from hexwar_sb3.rules.enums import Camp, HopClass, PieceType, Weapon
 from hexwar_sb3.tasks.shots import expected_value

@@ -26,12 +26,20 @@ def draw(count: int, camp: int, game: Row, brain: Row) -> int:
     brain.draws += 1
     key = splitmix64(game.salt[camp] ^ np.uint64(brain.draws))
     high = splitmix64(game.seed ^ key) >> _S32
-    return np.int64((high * np.uint64(count)) >> _S32)
+    return int(np.int64((high * np.uint64(count)) >> _S32))
 
 
 @kernel
 def act_at_random(
-    camp: int, game: Row, pieces: Rows, orders: Rows, plans: Rows, brain: Row, rules: Row, cells: Rows, config: Row
+    camp: int,
+    game: Row,
+    pieces: Rows,
+    orders: Rows,
+    plans: Rows,
+    brain: Row,
+    rules: Row,
+    cells: Rows,
+    config: Row,
 ) -> None:
     """Give every piece a random legal order, if one is found in a few tries."""
     for i in range(first_piece(camp, game), end_piece(camp, game)):
@@ -59,7 +67,17 @@ def fill_order(
     order.cell = draw(cells.size, camp, game, brain)
     order.path_len = 0
     if order.kind == Action.MOVE:
-        wander(i, 1 + draw(config.random_hops, camp, game, brain), camp, game, pieces, orders, brain, rules, cells)
+        wander(
+            i,
+            1 + draw(config.random_hops, camp, game, brain),
+            camp,
+            game,
+            pieces,
+            orders,
+            brain,
+            rules,
+            cells,
+        )
     elif order.kind == Action.GET_OFF:
         order.target = pieces[i].passenger
 

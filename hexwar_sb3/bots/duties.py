@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from hexwar_sb3.bots.points import may_enter
 from hexwar_sb3.bots.plans import give_plan
+from hexwar_sb3.bots.points import may_enter
 from hexwar_sb3.bots.posts import choose_post
 from hexwar_sb3.bots.rides import carry, ride
 from hexwar_sb3.bots.scout import scout
@@ -68,7 +68,22 @@ def work(
     """Take a point, keep one, carry a soldier, or fire from the best post."""
     slot = i - first_piece(camp, game)
     if pieces[i].passenger != NO_PIECE:
-        carry(style, i, brain.point[slot], camp, game, pieces, memory, plans, brain, rules, cells, los, eta, atlas)
+        carry(
+            style,
+            i,
+            brain.point[slot],
+            camp,
+            game,
+            pieces,
+            memory,
+            plans,
+            brain,
+            rules,
+            cells,
+            los,
+            eta,
+            atlas,
+        )
         return
     for p in range(game.n_points):
         if brain.keeper[p] == slot:

@@ -17,7 +17,16 @@ from hexwar_sb3.tasks.travel import UNREACHABLE, travel_ticks
 
 @kernel
 def climb(
-    bot: int, camp: int, game: Row, pieces: Rows, memory: Rows, plans: Rows, rules: Row, cells: Rows, eta: Rows, atlas: Row
+    bot: int,
+    camp: int,
+    game: Row,
+    pieces: Rows,
+    memory: Rows,
+    plans: Rows,
+    rules: Row,
+    cells: Rows,
+    eta: Rows,
+    atlas: Row,
 ) -> None:
     """Give every piece of a simple player its task."""
     first = first_piece(camp, game)

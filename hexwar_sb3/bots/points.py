@@ -83,7 +83,9 @@ def choose_people(
 
 
 @kernel
-def best_keeper(style: Row, k: int, camp: int, game: Row, pieces: Rows, rules: Row, cells: Rows, config: Row) -> int:
+def best_keeper(
+    style: Row, k: int, camp: int, game: Row, pieces: Rows, rules: Row, cells: Rows, config: Row
+) -> int:
     """Slot of the ground piece of least value that is at an own point, soldiers first; NOBODY."""
     best, least = NOBODY, 0
     first = first_piece(camp, game)

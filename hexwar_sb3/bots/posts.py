@@ -80,7 +80,21 @@ def choose_post(
                 break
             worth = style.post_weight * atlas.post_worth[camp, k, band, n] + style.band_worth[band]
             score = post_score(
-                style, i, cell, worth, best_score, camp, game, pieces, memory, brain, rules, cells, los, eta, atlas
+                style,
+                i,
+                cell,
+                worth,
+                best_score,
+                camp,
+                game,
+                pieces,
+                memory,
+                brain,
+                rules,
+                cells,
+                los,
+                eta,
+                atlas,
             )
             if score > best_score:
                 best, best_score = cell, score
@@ -90,7 +104,21 @@ def choose_post(
             if cell == NO_CELL or cells[cell].passable == 0:
                 continue
             score = post_score(
-                style, i, cell, atlas.config.elsewhere_worth, best_score, camp, game, pieces, memory, brain, rules, cells, los, eta, atlas
+                style,
+                i,
+                cell,
+                atlas.config.elsewhere_worth,
+                best_score,
+                camp,
+                game,
+                pieces,
+                memory,
+                brain,
+                rules,
+                cells,
+                los,
+                eta,
+                atlas,
             )
             if score > best_score:
                 best, best_score = cell, score
@@ -100,7 +128,21 @@ def choose_post(
             if cell == NO_CELL or cells[cell].passable == 0:
                 continue
             score = post_score(
-                style, i, cell, atlas.config.elsewhere_worth, best_score, camp, game, pieces, memory, brain, rules, cells, los, eta, atlas
+                style,
+                i,
+                cell,
+                atlas.config.elsewhere_worth,
+                best_score,
+                camp,
+                game,
+                pieces,
+                memory,
+                brain,
+                rules,
+                cells,
+                los,
+                eta,
+                atlas,
             )
             if score > best_score:
                 best, best_score = cell, score

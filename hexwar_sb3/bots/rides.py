@@ -27,8 +27,10 @@ def carry(
     point = game.point_cell[k]
     quiet = not enemy_near(point, style.drop_cells, camp, game, pieces, memory, brain, cells)
     brain.dropped_for[pieces[i].passenger - first] = k + 1
-    if brain.taker[k] == i - first and quiet and may_enter(
-        style, k, camp, game, pieces, memory, brain, rules, cells, atlas.config
+    if (
+        brain.taker[k] == i - first
+        and quiet
+        and may_enter(style, k, camp, game, pieces, memory, brain, rules, cells, atlas.config)
     ):
         brain.post[i - first] = NO_CELL
         give_plan(style, i, TaskKind.HOLD, point, game, plans)
@@ -36,7 +38,9 @@ def carry(
         brain.post[i - first] = NO_CELL
         give_plan(style, i, TaskKind.DROP, point, game, plans)
     else:
-        cell = choose_post(style, i, NO_PIECE, camp, game, pieces, memory, brain, rules, cells, los, eta, atlas)
+        cell = choose_post(
+            style, i, NO_PIECE, camp, game, pieces, memory, brain, rules, cells, los, eta, atlas
+        )
         brain.post[i - first] = cell
         give_plan(style, i, TaskKind.DROP, cell, game, plans)
 
@@ -59,7 +63,9 @@ def ride(
     if piece.kind != PieceType.CHARIOT or piece.passenger != NO_PIECE:
         return False
     for s in range(first_piece(camp, game), end_piece(camp, game)):
-        if pieces[s].home == i and wants_ride(s, camp, game, pieces, memory, brain, rules, cells, eta, config):
+        if pieces[s].home == i and wants_ride(
+            s, camp, game, pieces, memory, brain, rules, cells, eta, config
+        ):
             brain.post[i - first_piece(camp, game)] = NO_CELL
             give_plan(style, i, TaskKind.HOLD, pieces[s].cell, game, plans)
             return True
@@ -68,7 +74,16 @@ def ride(
 
 @kernel
 def wants_ride(
-    s: int, camp: int, game: Row, pieces: Rows, memory: Rows, brain: Row, rules: Row, cells: Rows, eta: Rows, config: Row
+    s: int,
+    camp: int,
+    game: Row,
+    pieces: Rows,
+    memory: Rows,
+    brain: Row,
+    rules: Row,
+    cells: Rows,
+    eta: Rows,
+    config: Row,
 ) -> bool:
     """Soldier s has nobody to watch here, and work that is too far to walk to; its chariot is free."""
     soldier = pieces[s]

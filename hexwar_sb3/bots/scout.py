@@ -29,7 +29,18 @@ def scout(
         if cell == NO_CELL:
             continue
         score = style.gain_weight * gain_at(
-            PieceType.AEROCRAFT, PieceType.AEROCRAFT, cell, camp, game, pieces, memory, brain, rules, cells, los, atlas
+            PieceType.AEROCRAFT,
+            PieceType.AEROCRAFT,
+            cell,
+            camp,
+            game,
+            pieces,
+            memory,
+            brain,
+            rules,
+            cells,
+            los,
+            atlas,
         )
         score -= style.threat_weight * threat_at(
             PieceType.AEROCRAFT, cell, camp, game, pieces, memory, brain, rules, cells, los, atlas

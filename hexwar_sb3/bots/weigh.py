@@ -10,7 +10,14 @@ from hexwar_sb3.engine.pieces import on_map, target_class, weapon_ammo
 from hexwar_sb3.kernels import Row, Rows, kernel
 from hexwar_sb3.maps.geometry import cells_apart
 from hexwar_sb3.rules.enums import PieceType, TargetClass, Weapon
-from hexwar_sb3.tasks.known import end_piece, first_piece, has_line_from, is_known, reach_of_sight, sees_itself
+from hexwar_sb3.tasks.known import (
+    end_piece,
+    first_piece,
+    has_line_from,
+    is_known,
+    reach_of_sight,
+    sees_itself,
+)
 
 
 @kernel
@@ -96,7 +103,16 @@ def gain_at(
 
 @kernel
 def guided_gain(
-    c: int, row: int, cell: int, camp: int, game: Row, pieces: Rows, memory: Rows, brain: Row, cells: Rows, atlas: Row
+    c: int,
+    row: int,
+    cell: int,
+    camp: int,
+    game: Row,
+    pieces: Rows,
+    memory: Rows,
+    brain: Row,
+    cells: Rows,
+    atlas: Row,
 ) -> float:
     """Expected points of the best missile that chariot c could launch from a cell, guided by its soldier."""
     best = 0.0
