@@ -56,9 +56,10 @@ class WinRateCallback(EverySteps):
 
     def _on_training_start(self) -> None:
         super()._on_training_start()
-        path = self.folder / "evaluations.npz"
-        if self.model.num_timesteps > 0 and path.exists():
-            self.history = History.load(path, until=self.model.num_timesteps)
+        if self.model.num_timesteps == 0:
+            self.fire()  # where it starts from
+        else:
+            self.history = History.load(self.folder / "evaluations.npz", until=self.model.num_timesteps)
 
     def fire(self) -> None:
         """Evaluate, record, draw, and save the model if it is the best so far."""

@@ -81,8 +81,19 @@ def _int_of_enum(member):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN20
     return None
 
 
+_ARRAY_MAKERS = frozenset({"zeros", "empty", "ones", "full", "arange", "array", "copy"})
+
+
 def kernel(function: Function) -> Function:
-    """Compile `function` on its first call (no fast-math: results are equal to the bit)."""
+    """Compile `function` on its first call (no fast-math: results are equal to the bit).
+
+    Numba counts the references of every array at every call, which costs more than most of our
+    kernels do (measured: the whole drive loop runs twice to three times as fast without). Only a
+    kernel that makes arrays needs it, and is known by `np.zeros` and its like; in any other, what
+    makes a hidden copy (`rows[i] = rows[j]` of whole rows) stops with "NRT required": write a loop.
+    """
     sources = source_hash(Path(function.__code__.co_filename))
     numba.config.CACHE_DIR = str(cache_root() / f"kernels-{sources}")  # type: ignore[attr-defined]  # read by njit
-    return cast("Function", numba.njit(cache=True, nogil=True, error_model="numpy")(function))
+    makes_arrays = not _ARRAY_MAKERS.isdisjoint(function.__code__.co_names)
+    options: dict[str, Any] = {"cache": True, "nogil": True, "error_model": "numpy", "_nrt": makes_arrays}
+    return cast("Function", numba.njit(**options)(function))

@@ -11,7 +11,8 @@ import numpy as np
 import numpy.typing as npt
 
 from hexwar_sb3.bots.config import ATTACK, CONFIG, DEFENCE, compiled
-from hexwar_sb3.bots.records import ATLAS, BAND_CELLS, NESTS, POSTS, REACH, SPENT
+from hexwar_sb3.bots.records import ATLAS, BAND_CELLS, POSTS, REACH, SHELTERS, SPENT, UPHILL
+from hexwar_sb3.engine.fire import height_correction
 from hexwar_sb3.engine.pieces import target_class
 from hexwar_sb3.engine.records import NO_CELL
 from hexwar_sb3.engine.sight import line_of_sight
@@ -25,7 +26,6 @@ from hexwar_sb3.tasks.shots import expected_value
 AROUND_CELLS = 5
 RING_CELLS = ((6, 3), (8, 4), (12, 6), (14, 7))  # distance and step along the ring: 12 cells each
 VIEW_CELLS = 3  # around a control point, for the worth of a post
-NEST_CELLS = (2, 4)  # nearest and farthest nest from its point
 NO_WAY = 255  # eta: cannot be reached
 
 
@@ -42,8 +42,8 @@ def make_atlas(world: World) -> Rows:
     row.around[:] = _offsets(0, AROUND_CELLS, 1)
     row.ring[:] = _ring_offsets()
     fill_danger(row.danger, world.rules[0])
-    row.best_gain[:] = (1.0 + CONFIG.second_share) * row.danger.max(axis=(1, 2))[:SPENT]
-    row.post[:], row.nest[:] = NO_CELL, NO_CELL
+    row.best_gain[:] = (1.0 + CONFIG.second_share) * row.danger.max(axis=(1, 2, 3, 4))[:SPENT]
+    row.post[:] = NO_CELL
     for camp in (Camp.RED, Camp.BLUE):
         own = world.scenario.pieces[world.side(camp)]
         if own:
@@ -78,8 +78,6 @@ def _fill_points(row: Row, camp: int, world: World) -> None:
             cells, worth = _best_posts(camp, point.cell, nearest, farthest, row, world)
             row.post[camp, k, band, : len(cells)] = cells
             row.post_worth[camp, k, band, : len(cells)] = worth
-        nests = _best_nests(camp, point.cell, world)
-        row.nest[camp, k, : len(nests)] = nests
 
 
 def _best_posts(
@@ -89,12 +87,6 @@ def _best_posts(
     worth = np.full(world.cells.size, -np.inf)
     rate_posts(point, nearest, farthest, int(row.home[camp]), world.cells, world.los, world.eta, worth)
     return _best(worth, camp, world.cells, POSTS)
-
-
-def _best_nests(camp: int, point: int, world: World) -> npt.NDArray[np.int64]:
-    worth = np.full(world.cells.size, -np.inf)
-    rate_nests(point, world.cells, world.los, worth)
-    return _best(worth, camp, world.cells, NESTS)[0]
 
 
 def _best(
@@ -131,39 +123,38 @@ def rate_posts(
 
 
 @kernel
-def rate_nests(point: int, cells: Rows, los: Rows, worth: Rows) -> None:
-    """Write to worth[cell] how good each cell near a control point is for a hidden soldier."""
-    for cell in range(cells.size):
-        apart = cells_apart(cells, cell, point)
-        if apart < NEST_CELLS[0] or apart > NEST_CELLS[1]:
-            continue
-        if cells[cell].passable == 0 or not line_of_sight(los, 0, cell, point):
-            continue
-        worth[cell] = 2.0 * cells[cell].concealed - apart + cells[cell].exposure
-
-
-@kernel
 def fill_danger(danger: Rows, rules: Row) -> None:
-    """Expected points of the best weapon's shot at each distance: full blood, level ground, no modifiers."""
+    """Expected points of the best weapon's shot, at full blood on both sides.
+
+    Args:
+        danger: [shooter or SPENT, target, sheltered, grade steps uphill, distance].
+    """
     for target in range(danger.shape[1]):
-        for apart in range(REACH):
-            for kind in range(SPENT):
-                danger[kind, target, apart] = _best_value(kind, True, target, apart, rules)
-            danger[SPENT, target, apart] = _best_value(PieceType.CHARIOT, False, target, apart, rules)
+        for shelter in range(SHELTERS):
+            for uphill in range(UPHILL):
+                for apart in range(min(REACH, rules.level.shape[3])):
+                    for row in range(SPENT + 1):
+                        danger[row, target, shelter, uphill, apart] = best_value(
+                            row, target, shelter, uphill, apart, rules
+                        )
 
 
 @kernel
-def _best_value(kind: int, missiles: bool, target: int, apart: int, rules: Row) -> float:
+def best_value(row: int, target: int, shelter: int, uphill: int, apart: int, rules: Row) -> float:
+    """Expected points of the best weapon of a shooter (a row of the danger table) at a distance."""
     best = 0.0
+    kind = PieceType.CHARIOT if row == SPENT else row
     blood = int(rules.blood[kind])
-    if apart >= rules.level.shape[3]:
-        return best
+    mods = shelter * int(rules.mod_target_concealed)
     for weapon in range(rules.pool.shape[1]):
-        level = int(rules.level[weapon, target_class(target), blood, apart])
-        if rules.pool[kind, weapon] == NO_POOL or level == 0 or (weapon == Weapon.HEAVY and not missiles):
+        if rules.pool[kind, weapon] == NO_POOL or (row == SPENT and weapon == Weapon.HEAVY):
             continue
-        value = expected_value(weapon, blood, level, 0, target, int(rules.blood[target]), False, rules)
-        best = max(best, value)
+        level = int(rules.level[weapon, target_class(target), blood, apart])
+        if kind != PieceType.AEROCRAFT and target != PieceType.AEROCRAFT and level > 0:
+            level = max(0, level + height_correction(uphill, apart, rules))
+        if level > 0:
+            value = expected_value(weapon, blood, level, mods, target, int(rules.blood[target]), False, rules)
+            best = max(best, value)
     return best
 
 

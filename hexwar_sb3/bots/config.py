@@ -115,6 +115,7 @@ class BotConfig:
     safe_cells: int = 2  # from own pieces to the aim of a mortar
     safe_point_cells: int = 12  # an own point is safe with no known enemy so near
     elsewhere_worth: float = -5.0  # lasting worth of a cell that the atlas does not list as a post
+    shelter_worth: float = 2.5  # added where such a cell is concealed
     second_share: float = 0.3  # of the second best shot that a post offers
     near_posts: int = 37  # cells around a piece that it looks at as posts
     keeper_cells: int = 1

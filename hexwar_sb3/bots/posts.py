@@ -37,7 +37,7 @@ def post_score(
     row = danger_row(piece, rules)
     gain = gain_at(piece.kind, row, cell, camp, game, pieces, memory, brain, rules, cells, los, atlas)
     if piece.kind == PieceType.CHARIOT:
-        gain = max(gain, guided_gain(i, row, cell, camp, game, pieces, memory, brain, cells, atlas))
+        gain = max(gain, guided_gain(i, row, cell, camp, game, pieces, memory, brain, rules, cells, atlas))
     threat = threat_at(piece.kind, cell, camp, game, pieces, memory, brain, rules, cells, los, atlas)
     lasting = 1.0 / (1.0 + ticks / style.patience_ticks)
     return score + lasting * (style.gain_weight * gain - style.threat_weight * threat)
@@ -69,10 +69,12 @@ def choose_post(
     k = brain.point[i - first_piece(camp, game)]
     present = int(brain.post[i - first_piece(camp, game)])
     best = present if present != NO_CELL else here
-    best_score = style.move_gain + post_score(
-        style, i, best, lasting_worth(style, best, k, camp, atlas), WORST, camp, game, pieces, memory, brain,
+    best_score = post_score(
+        style, i, best, lasting_worth(style, best, k, camp, cells, atlas), WORST, camp, game, pieces, memory, brain,
         rules, cells, los, eta, atlas,
     )  # fmt: skip
+    if present != NO_CELL:
+        best_score += style.move_gain
     for band in range(atlas.post.shape[2]):
         for n in range(atlas.post.shape[3]):
             cell = int(atlas.post[camp, k, band, n])
@@ -150,10 +152,18 @@ def choose_post(
 
 
 @kernel
-def lasting_worth(style: Row, cell: int, k: int, camp: int, atlas: Row) -> float:
+def lasting_worth(style: Row, cell: int, k: int, camp: int, cells: Rows, atlas: Row) -> float:
     """What the atlas says of a cell as a post of point k; or of any other cell."""
     for band in range(atlas.post.shape[2]):
         for n in range(atlas.post.shape[3]):
             if atlas.post[camp, k, band, n] == cell:
                 return float(style.post_weight * atlas.post_worth[camp, k, band, n] + style.band_worth[band])
-    return float(atlas.config.elsewhere_worth)
+    return elsewhere(cell, cells, atlas.config)
+
+
+@kernel
+def elsewhere(cell: int, cells: Rows, config: Row) -> float:
+    """Lasting worth of a cell that is no post of any point."""
+    if cells[cell].concealed:
+        return float(config.elsewhere_worth + config.shelter_worth)
+    return float(config.elsewhere_worth)

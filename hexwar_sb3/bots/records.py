@@ -10,10 +10,11 @@ from hexwar_sb3.engine.records import MAX_PIECES, MAX_POINTS, MAX_SIDE
 BANDS = 4  # of distances from a control point
 BAND_CELLS = ((4, 8), (9, 12), (13, 16), (17, 20))  # nearest and farthest cell of each band
 POSTS = 12  # firing cells kept of each band
-NESTS = 8  # concealed cells near a point, for soldiers
 AROUND = 91  # cells within 5 of a cell, itself included
 RING = 48  # cells 6 to 14 away from an enemy, for hunters
 REACH = 26  # distances 0..25 of the danger table
+SHELTERS = 3  # a target in the open; concealed or hidden; both
+UPHILL = 9  # grade steps from the shooter up to its target, 8 and more the last
 SPENT = 4  # row of the danger table for a chariot without missiles
 NOBODY = -1  # no slot
 
@@ -50,9 +51,8 @@ ATLAS = np.dtype(
         # [camp, point, band] cells with a view of the point, best first
         ("post", "i2", (2, MAX_POINTS, BANDS, POSTS)),
         ("post_worth", "f4", (2, MAX_POINTS, BANDS, POSTS)),
-        ("nest", "i2", (2, MAX_POINTS, NESTS)),  # [camp, point] concealed cells beside it, best first
-        # [shooter or SPENT, target, distance] expected points, full blood, level ground
-        ("danger", "f4", (SPENT + 1, 4, REACH)),
+        # [shooter or SPENT, target, sheltered, steps uphill, distance] expected points at full blood
+        ("danger", "f4", (SPENT + 1, 4, SHELTERS, UPHILL, REACH)),
         ("best_gain", "f4", (4,)),  # [shooter] most that `gain_at` can say
         ("around", "i1", (AROUND, 2)),  # cube steps to the cells within 5, nearest first, red's frame
         ("ring", "i1", (RING, 2)),  # cube steps to cells 6 to 14 away, red's frame

@@ -6,6 +6,7 @@ Enemies are read through the camp's memory only. `trust` is the brain's [P], ren
 from __future__ import annotations
 
 from hexwar_sb3.bots.records import SPENT
+from hexwar_sb3.engine.fire import clamp
 from hexwar_sb3.engine.pieces import on_map, target_class, weapon_ammo
 from hexwar_sb3.kernels import Row, Rows, kernel
 from hexwar_sb3.maps.geometry import cells_apart
@@ -45,6 +46,18 @@ def exposed_reach(kind: int, target_kind: int, cell: int, rules: Row, cells: Row
 
 
 @kernel
+def danger_of(
+    row: int, cell: int, target: int, target_cell: int, shelter: int, rules: Row, cells: Rows, atlas: Row
+) -> float:
+    """Expected points of a shot of a type of piece (a row of the danger table) from cell to cell."""
+    apart = cells_apart(cells, cell, target_cell)
+    if apart >= atlas.danger.shape[4]:
+        return 0.0
+    uphill = clamp(int(cells[target_cell].level) - int(cells[cell].level), 0, atlas.danger.shape[3] - 1)
+    return float(atlas.danger[row, target, shelter, uphill, apart])
+
+
+@kernel
 def threat_at(
     kind: int, cell: int, camp: int, game: Row, pieces: Rows, memory: Rows, brain: Row,
     rules: Row, cells: Rows, los: Rows, atlas: Row,
@@ -56,10 +69,9 @@ def threat_at(
         trust = brain.trust[j]
         known = memory[camp, j]
         enemy = pieces[j].kind
-        apart = cells_apart(cells, cell, known.cell)
-        if apart >= atlas.danger.shape[2] or apart > exposed_reach(enemy, kind, cell, rules, cells):
+        if cells_apart(cells, cell, known.cell) > exposed_reach(enemy, kind, cell, rules, cells):
             continue
-        danger = atlas.danger[enemy, kind, apart]
+        danger = danger_of(enemy, known.cell, kind, cell, int(cells[cell].concealed), rules, cells, atlas)
         if danger > 0.0 and has_line_from(enemy, known.cell, kind, cell, los):
             total += trust * danger * known.blood / float(rules.blood[enemy])
     return total
@@ -89,10 +101,10 @@ def gain_at(
         trust = brain.trust[j]
         known = memory[camp, j]
         target = pieces[j].kind
-        apart = cells_apart(cells, cell, known.cell)
-        if apart >= atlas.danger.shape[2] or apart > reach_of_sight(kind, cell, target, known, rules, cells):
+        if cells_apart(cells, cell, known.cell) > reach_of_sight(kind, cell, target, known, rules, cells):
             continue
-        value = trust * atlas.danger[row, target, apart]
+        shelter = int(cells[known.cell].concealed) + int(known.hidden)
+        value = trust * danger_of(row, cell, target, known.cell, shelter, rules, cells, atlas)
         if value > second and has_line_from(kind, cell, target, known.cell, los):
             if value > best:
                 best, second = value, best
@@ -103,17 +115,9 @@ def gain_at(
 
 @kernel
 def guided_gain(
-    c: int,
-    row: int,
-    cell: int,
-    camp: int,
-    game: Row,
-    pieces: Rows,
-    memory: Rows,
-    brain: Row,
-    cells: Rows,
-    atlas: Row,
-) -> float:
+    c: int, row: int, cell: int, camp: int, game: Row, pieces: Rows, memory: Rows, brain: Row,
+    rules: Row, cells: Rows, atlas: Row,
+) -> float:  # fmt: skip
     """Expected points of the best missile that chariot c could launch from a cell, guided by its soldier."""
     best = 0.0
     if row == SPENT:
@@ -126,9 +130,10 @@ def guided_gain(
             j = brain.foes[n]
             if not sees_itself(soldier, j) or target_class(pieces[j].kind) != TargetClass.VEHICLE:
                 continue
-            apart = cells_apart(cells, cell, memory[camp, j].cell)
-            if apart < atlas.danger.shape[2]:
-                best = max(best, float(brain.trust[j] * atlas.danger[row, pieces[j].kind, apart]))
+            known = memory[camp, j]
+            shelter = int(cells[known.cell].concealed) + int(known.hidden)
+            value = danger_of(row, cell, pieces[j].kind, known.cell, shelter, rules, cells, atlas)
+            best = max(best, brain.trust[j] * value)
     return best
 
 

@@ -29,6 +29,7 @@ class Evaluate:
         """Play, then print the table."""
         from hexwar_sb3.evaluation.matches import player_name
         from hexwar_sb3.evaluation.panel import CAMPS, CONSTANT_PLANS, play_panel
+        from hexwar_sb3.evaluation.provenance import provenance
 
         camps = CAMPS if self.side == "both" else (self.side,)
         players = [self.player, *(CONSTANT_PLANS if self.constant_plans else ())]
@@ -46,7 +47,7 @@ class Evaluate:
         ]
         rows = [row for panel in panels for row in panel.summary()]
         if self.json:
-            print_json({"scenario": self.scenario, "seed": self.seed, "rows": rows})
+            print_json({"seed": self.seed, **provenance(self.scenario), "rows": rows})
         else:
             print(panel_table(rows))
         return 0
@@ -67,13 +68,14 @@ class Match:
     def run(self) -> int:
         """Play, then print what both camps reached."""
         from hexwar_sb3.evaluation.matches import play_match
+        from hexwar_sb3.evaluation.provenance import provenance
 
         match = play_match(self.red, self.blue, games=self.games, scenario=self.scenario, seed=self.seed)
         if self.record is not None:
             self._write_first_game(self.record)
         summary = match.summary()
         if self.json:
-            print_json(summary)
+            print_json({**summary, **provenance(self.scenario)})
         else:
             rows = [[camp, summary[camp]["player"], *result_cells(summary[camp])] for camp in ("red", "blue")]
             print(table(("camp", "player", *COUNTS), rows))

@@ -5,10 +5,12 @@ from __future__ import annotations
 import json
 from typing import TYPE_CHECKING
 
+from hexwar_sb3.commands.bench_start import peak_mb
 from hexwar_sb3.commands.output import panel_table, print_json, table
 from hexwar_sb3.commands.run_folder import RunFolder, write_text
 from hexwar_sb3.evaluation.intervals import Estimate, paired_interval
 from hexwar_sb3.evaluation.panel import CAMPS, CONSTANT_PLANS, Panel, play_panel
+from hexwar_sb3.evaluation.provenance import provenance
 
 if TYPE_CHECKING:
     from hexwar_sb3.commands.train import Train
@@ -16,15 +18,21 @@ if TYPE_CHECKING:
 OPPONENTS = ("MA1", "MA2")
 
 
-def write_page(settings: Train, folder: RunFolder) -> None:
-    """Play fresh games before and after, print the page and keep it with its figures."""
+def write_page(settings: Train, folder: RunFolder, *, minutes: float) -> None:
+    """Play fresh games before and after, print the page and keep it with its figures.
+
+    Args:
+        settings: of the training.
+        folder: of the run.
+        minutes: wall time of the training.
+    """
     players = {"untrained": str(folder.untrained), "trained": str(folder.policy)}
     players |= {name: name for name in CONSTANT_PLANS}
     panels = {name: _play(settings, name, player) for name, player in players.items()}
     rows = [row for panel in panels.values() for row in panel.summary()]
-    figures = {"command": (folder.path / "command.txt").read_text(encoding="utf-8").strip(), "rows": rows}
+    figures = {**_origin(settings, folder), "minutes": minutes, "peak_mb": peak_mb(), "rows": rows}
     write_text(folder.path / "page.json", json.dumps(figures, indent=2) + "\n")
-    text = "\n\n".join([_title(settings), panel_table(rows), _gains(panels), _places(folder)])
+    text = "\n\n".join([_title(settings, minutes), panel_table(rows), _gains(panels), _places(folder)])
     write_text(folder.page, text + "\n")
     if settings.json:
         print_json({**figures, "run": str(folder.path)})
@@ -44,9 +52,19 @@ def _play(settings: Train, name: str, player: str) -> Panel:
     )
 
 
-def _title(settings: Train) -> str:
-    steps = f"{settings.n_timesteps:,} env steps against {', '.join(settings.opponents)}"
-    return f'What was learned on "{settings.scenario}", seed {settings.seed}, {steps}; fresh games, 95 % intervals:'
+def _origin(settings: Train, folder: RunFolder) -> dict[str, object]:
+    """Where the figures come from."""
+    command = (folder.path / "command.txt").read_text(encoding="utf-8").strip()
+    budget = {"seed": settings.seed, "n_timesteps": settings.n_timesteps, "games": settings.final_games}
+    return {"command": command, **budget, **provenance(settings.scenario)}
+
+
+def _title(settings: Train, minutes: float) -> str:
+    budget = (
+        f"{settings.n_timesteps:,} env steps against {', '.join(settings.opponents)} in {minutes:.1f} minutes"
+    )
+    counted = "fresh games; win rate = (won + drawn / 2) / games; 95 % intervals"
+    return f'What was learned on "{settings.scenario}", seed {settings.seed}: {budget}.\nFigures: {counted}.'
 
 
 def _gains(panels: dict[str, Panel]) -> str:

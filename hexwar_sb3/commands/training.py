@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from importlib.util import find_spec
 from pathlib import Path
+from time import monotonic
 from typing import TYPE_CHECKING
 
 import torch
@@ -34,6 +35,7 @@ INTERRUPTED = 130  # exit code after Ctrl-C
 
 def train(settings: Train, env: VecEnv, folder: RunFolder) -> int:
     """Train as the settings say; return the exit code."""
+    start = monotonic()
     torch.set_num_threads(1)  # as fast as two here, and it leaves the other core alone
     if settings.resume:
         model = load_checkpoint(folder.checkpoint, env, QMIX, device=settings.device)
@@ -71,7 +73,7 @@ def train(settings: Train, env: VecEnv, folder: RunFolder) -> int:
             seed=settings.seed,
             camp=camp,
         )
-    write_page(settings, folder)
+    write_page(settings, folder, minutes=(monotonic() - start) / 60)
     return 0
 
 

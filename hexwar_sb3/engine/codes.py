@@ -71,4 +71,3 @@ class Event(IntEnum):
     ARRIVED = 19
     LOSS = 20
     SPOTTED = 21
-    BOARDING_CANCELLED = 22

@@ -47,7 +47,7 @@ class Shot(NamedTuple):
 class Story:
     """What is drawn of a game."""
 
-    paths: dict[str, list[str]] = field(default_factory=dict)  # cells by piece
+    paths: dict[str, list[list[str]]] = field(default_factory=dict)  # by piece; a ride begins a new one
     shots: list[Shot] = field(default_factory=list)
     rounds: list[Mark] = field(default_factory=list)
     captures: list[Mark] = field(default_factory=list)
@@ -78,7 +78,7 @@ def game_picture(replay: Replay) -> Figure:
 
 def tell(replay: Replay) -> Story:
     """Gather paths, shots, captures and deaths from the lines of a replay."""
-    story = Story(paths={name: [cell] for name, cell, *_ in replay.states[0]["pieces"] if cell})
+    story = Story(paths={name: [[cell]] for name, cell, *_ in replay.states[0]["pieces"] if cell})
     for event in replay.events:
         _add_event(story, event)
     return story
@@ -88,10 +88,12 @@ def _add_event(story: Story, event: Line) -> None:
     piece, kind, cell = event["piece"], event["kind"], event.get("cell", "")
     camp = piece.split(":")[0]
     mark = Mark(camp, cell, event["tick"])
-    if kind in {"arrived", "off"}:
-        story.paths[piece].append(cell)
+    if kind == "arrived":
+        story.paths[piece][-1].append(cell)
+    elif kind == "off":
+        story.paths[piece].append([cell])
     elif kind in _SHOTS:
-        start = story.paths[event.get("shooter") or piece][-1]
+        start = story.paths[event.get("shooter") or piece][-1][-1]
         story.shots.append(Shot(camp, start, cell, event["result"] > 0))
     elif kind in _ROUNDS:
         story.rounds.append(mark)
@@ -103,13 +105,14 @@ def _add_event(story: Story, event: Line) -> None:
 
 def _draw_paths(axes: Axes, hexmap: HexMap, story: Story) -> None:
     where = centres(hexmap)
-    for number, (name, cells) in enumerate(story.paths.items()):
+    for number, (name, ways) in enumerate(story.paths.items()):
         turn = 2 * np.pi * number / max(1, len(story.paths))
         aside = _SPREAD * np.array([np.cos(turn), np.sin(turn)])
-        x, y = (where[[hexmap.parse_cell(cell) for cell in cells]] + aside).T
-        dashed = (0, (1, 1.5)) if "aerocraft" in name else "-"
+        line = (0, (1, 1.5)) if "aerocraft" in name else "-"
         colour = _COLOUR[name.split(":")[0]]
-        axes.plot(x, y, color=colour, linewidth=1.3, linestyle=dashed, alpha=0.8, zorder=7)
+        for way in ways:
+            x, y = (where[[hexmap.parse_cell(cell) for cell in way]] + aside).T
+            axes.plot(x, y, color=colour, linewidth=1.3, linestyle=line, alpha=0.8, zorder=7)
 
 
 def _draw_shots(axes: Axes, hexmap: HexMap, story: Story) -> None:
@@ -130,9 +133,10 @@ def _draw_marks(axes: Axes, hexmap: HexMap, story: Story) -> None:
             hollow = shape == "o"
             face, edge = ("none", _COLOUR[mark.camp]) if hollow else (_COLOUR[mark.camp], "white")
             axes.scatter(x, y, s=size, marker=shape, fc=face, ec=edge, linewidths=width, zorder=9)
-    for mark in story.captures:
-        x, y = where[hexmap.parse_cell(mark.cell)]
-        axes.annotate(str(mark.tick), (x, y), (5, -9), textcoords="offset points", fontsize=7, zorder=10)
+    for cell in sorted({mark.cell for mark in story.captures}):
+        ticks = ", ".join(f"{m.camp} {m.tick}" for m in story.captures if m.cell == cell)
+        place = where[hexmap.parse_cell(cell)]
+        axes.annotate(ticks, place, (7, -10), textcoords="offset points", fontsize=7, zorder=10)
 
 
 def _draw_legend(axes: Axes) -> None:
@@ -166,6 +170,7 @@ def _capture_ticks(replay: Replay) -> Iterator[int]:
 def _title(replay: Replay) -> str:
     players, end = replay.head.get("players", {}), replay.end
     names = " against ".join(f"{players.get(c, {}).get('name', '?')} ({c})" for c in _COLOUR)
-    result = end["winner"] or f"at tick {end['tick']}"
+    results = {"red": "red wins", "blue": "blue wins", "draw": "a draw"}
+    result = results.get(end["winner"], f"at tick {end['tick']}")
     margins = ", ".join(f"{camp} {value:+d}" for camp, value in end["margin"].items())
     return f"{replay.head['scenario']['name']}, seed {replay.seed}: {names}; {result}; margin {margins}"

@@ -159,7 +159,8 @@ def shorten(draft: Rows, count: int, limit: int) -> int:
         if worst == 0:
             worst = _farthest(draft, count, False)
         for row in range(worst, count - 1):
-            draft[row] = draft[row + 1]
+            for column in range(draft.shape[1]):
+                draft[row, column] = draft[row + 1, column]
         count -= 1
     return count
 

@@ -34,7 +34,7 @@ def replay() -> Replay:
 
 def test_the_story_of_a_game_is_told_from_its_replay(replay: Replay) -> None:
     story = tell(replay)
-    assert story.paths["red:tank0"] == ["0304", "0404", "0504"]
+    assert story.paths["red:tank0"] == [["0304", "0404", "0504"]]
     assert [(mark.camp, mark.cell, mark.tick) for mark in story.captures] == [("red", "0504", 41)]
     assert len(story.rounds) == 1
     assert story.shots
