@@ -24,6 +24,7 @@ class Style:
     eta_ticks: float  # ticks of travel that cost one point of a post's worth
     move_gain: float  # points by which a new post must beat the present one
     band_worth: tuple[float, float, float, float]  # points added to posts of each band of distances
+    chariot_worth: tuple[float, float, float, float]  # the same for chariots
     patience_ticks: float  # ticks of travel after which what is known of the enemy is half as sure
     around_cells: int  # known enemies so near to a point count against entering it
     own_cells: int  # own pieces so near to it count for
@@ -53,6 +54,7 @@ ATTACK = Style(
     eta_ticks=150.0,
     move_gain=2.0,
     band_worth=(-2.0, 0.0, 1.0, 1.0),
+    chariot_worth=(-5.0, 0.0, 1.0, 1.0),
     patience_ticks=100.0,
     around_cells=8,
     own_cells=12,
@@ -80,6 +82,7 @@ DEFENCE = Style(
     eta_ticks=150.0,
     move_gain=3.0,
     band_worth=(-2.0, 0.0, 1.0, 1.0),
+    chariot_worth=(-5.0, 0.0, 1.0, 1.0),
     patience_ticks=100.0,
     around_cells=14,
     own_cells=10,

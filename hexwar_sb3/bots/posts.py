@@ -70,7 +70,7 @@ def choose_post(
     present = int(brain.post[i - first_piece(camp, game)])
     best = present if present != NO_CELL else here
     best_score = post_score(
-        style, i, best, lasting_worth(style, best, k, camp, cells, atlas), WORST, camp, game, pieces, memory, brain,
+        style, i, best, lasting_worth(style, pieces[i].kind, best, k, camp, cells, atlas), WORST, camp, game, pieces, memory, brain,
         rules, cells, los, eta, atlas,
     )  # fmt: skip
     if present != NO_CELL:
@@ -80,7 +80,9 @@ def choose_post(
             cell = int(atlas.post[camp, k, band, n])
             if cell == NO_CELL:
                 break
-            worth = style.post_weight * atlas.post_worth[camp, k, band, n] + style.band_worth[band]
+            worth = style.post_weight * atlas.post_worth[camp, k, band, n] + band_worth(
+                style, pieces[i].kind, band
+            )
             score = post_score(
                 style,
                 i,
@@ -152,13 +154,22 @@ def choose_post(
 
 
 @kernel
-def lasting_worth(style: Row, cell: int, k: int, camp: int, cells: Rows, atlas: Row) -> float:
+def lasting_worth(style: Row, kind: int, cell: int, k: int, camp: int, cells: Rows, atlas: Row) -> float:
     """What the atlas says of a cell as a post of point k; or of any other cell."""
     for band in range(atlas.post.shape[2]):
         for n in range(atlas.post.shape[3]):
             if atlas.post[camp, k, band, n] == cell:
-                return float(style.post_weight * atlas.post_worth[camp, k, band, n] + style.band_worth[band])
+                worth = style.post_weight * atlas.post_worth[camp, k, band, n]
+                return float(worth + band_worth(style, kind, band))
     return elsewhere(cell, cells, atlas.config)
+
+
+@kernel
+def band_worth(style: Row, kind: int, band: int) -> float:
+    """What a type of piece adds to posts of a band of distances: chariots keep farther off than tanks."""
+    if kind == PieceType.CHARIOT:
+        return float(style.chariot_worth[band])
+    return float(style.band_worth[band])
 
 
 @kernel

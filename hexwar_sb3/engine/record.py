@@ -30,7 +30,7 @@ Line: TypeAlias = dict[str, Any]  # one line of a replay file
 
 STATE_TICKS = 75  # between two state lines (replays.md)
 _HASHED = {
-    "games": "seed salt over point_owner fight_cell fight_next",
+    "games": "seed salt point_owner fight_cell fight_next",
     "pieces": "cell sees blood ammo hidden suppressed carrier passenger path_pos path_len arrives_at hop_need"
     " waiting stop_ends stop_forced stop_pending hide_ends board_ends board_kind board_partner"
     " decompress_ends cool_ends mortar_ends keep_ends",
