@@ -8,8 +8,8 @@ from typing import Literal
 
 import tyro
 
-from hexwar_sb3.commands.output import COUNTS, panel_table, print_json, result_cells, table
-from hexwar_sb3.commands.settings import Games, Json, ScenarioName, Seed
+from hexwar_sb3.commands.output import COUNTS, games_bar, panel_table, print_json, result_cells, table
+from hexwar_sb3.commands.settings import DecisionTicks, Games, Json, ScenarioName, Seed
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -22,29 +22,29 @@ class Evaluate:
     side: Literal["red", "blue", "both"] = "both"  # camps that the player takes
     games: Games = 2000
     seed: Seed = 0
+    decision_ticks: DecisionTicks = 75
     constant_plans: bool = True  # also measure the players that follow one fixed plan
     json: Json = False
 
     def run(self) -> int:
         """Play, then print the table."""
         from hexwar_sb3.evaluation.matches import player_name
-        from hexwar_sb3.evaluation.panel import CAMPS, CONSTANT_PLANS, play_panel
+        from hexwar_sb3.evaluation.panel import CAMPS, CONSTANT_PLANS, Terms, play_panel
         from hexwar_sb3.evaluation.provenance import provenance
 
-        camps = CAMPS if self.side == "both" else (self.side,)
+        terms = Terms(
+            scenario=self.scenario,
+            games=self.games,
+            seed=self.seed,
+            decision_ticks=self.decision_ticks,
+            camps=CAMPS if self.side == "both" else (self.side,),
+        )
         players = [self.player, *(CONSTANT_PLANS if self.constant_plans else ())]
-        panels = [
-            play_panel(
-                player,
-                self.opponents,
-                name=player_name(player),
-                games=self.games,
-                scenario=self.scenario,
-                seed=self.seed,
-                camps=camps,
-            )
-            for player in players
-        ]
+        with games_bar(len(players) * len(self.opponents) * len(terms.camps) * self.games) as progress:
+            panels = [
+                play_panel(player, self.opponents, terms, name=player_name(player), progress=progress)
+                for player in players
+            ]
         rows = [row for panel in panels for row in panel.summary()]
         if self.json:
             print_json({"seed": self.seed, **provenance(self.scenario), "rows": rows})
@@ -62,17 +62,21 @@ class Match:
     scenario: ScenarioName = "plain"
     games: Games = 2000
     seed: Seed = 0
+    decision_ticks: DecisionTicks = 75
     record: Path | None = None  # file (*.hwr) that gets the first game
     json: Json = False
 
     def run(self) -> int:
         """Play, then print what both camps reached."""
-        from hexwar_sb3.evaluation.matches import play_match
+        from hexwar_sb3.evaluation.panel import Terms
         from hexwar_sb3.evaluation.provenance import provenance
 
-        match = play_match(self.red, self.blue, games=self.games, scenario=self.scenario, seed=self.seed)
+        terms = Terms(
+            scenario=self.scenario, games=self.games, seed=self.seed, decision_ticks=self.decision_ticks
+        )
+        match = terms.play(self.red, self.blue)
         if self.record is not None:
-            self._write_first_game(self.record)
+            terms.record(self.red, self.blue).save(self.record)
         summary = match.summary()
         if self.json:
             print_json({**summary, **provenance(self.scenario)})
@@ -80,9 +84,3 @@ class Match:
             rows = [[camp, summary[camp]["player"], *result_cells(summary[camp])] for camp in ("red", "blue")]
             print(table(("camp", "player", *COUNTS), rows))
         return 0
-
-    def _write_first_game(self, path: Path) -> None:
-        from hexwar_sb3.evaluation.seeds import Purpose, seed_for
-        from hexwar_sb3.play.recording import record_game
-
-        record_game(self.red, self.blue, self.scenario, seed_for(Purpose.REPORT, self.seed)).save(path)

@@ -3,10 +3,20 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from typing import Any
 
+from tqdm import tqdm
+
 COUNTS = ("games", "won/drawn/lost", "win rate, %", "mean margin", "points held")
+
+
+@contextmanager
+def games_bar(games: int) -> Iterator[Callable[[int], object]]:
+    """Show a bar of games played on a terminal; give what moves it on by a number of games."""
+    with tqdm(total=games, unit="game", dynamic_ncols=True, leave=False, disable=None) as bar:
+        yield bar.update
 
 
 def print_json(values: Mapping[str, object]) -> None:

@@ -6,10 +6,10 @@ import json
 from typing import TYPE_CHECKING
 
 from hexwar_sb3.commands.bench_start import peak_mb
-from hexwar_sb3.commands.output import panel_table, print_json, table
+from hexwar_sb3.commands.output import games_bar, panel_table, print_json, table
 from hexwar_sb3.commands.run_folder import RunFolder, write_text
 from hexwar_sb3.evaluation.intervals import Estimate, paired_interval
-from hexwar_sb3.evaluation.panel import CAMPS, CONSTANT_PLANS, Panel, play_panel
+from hexwar_sb3.evaluation.panel import CONSTANT_PLANS, Panel, play_panel
 from hexwar_sb3.evaluation.provenance import provenance
 
 if TYPE_CHECKING:
@@ -28,7 +28,13 @@ def write_page(settings: Train, folder: RunFolder, *, minutes: float) -> None:
     """
     players = {"untrained": str(folder.untrained), "trained": str(folder.policy)}
     players |= {name: name for name in CONSTANT_PLANS}
-    panels = {name: _play(settings, name, player) for name, player in players.items()}
+    with games_bar(
+        len(players) * len(OPPONENTS) * len(settings.terms().camps) * settings.final_games
+    ) as progress:
+        panels = {
+            name: play_panel(player, OPPONENTS, settings.terms(), name=name, progress=progress)
+            for name, player in players.items()
+        }
     rows = [row for panel in panels.values() for row in panel.summary()]
     figures = {**_origin(settings, folder), "minutes": minutes, "peak_mb": peak_mb(), "rows": rows}
     write_text(folder.path / "page.json", json.dumps(figures, indent=2) + "\n")
@@ -38,18 +44,6 @@ def write_page(settings: Train, folder: RunFolder, *, minutes: float) -> None:
         print_json({**figures, "run": str(folder.path)})
     else:
         print(text)
-
-
-def _play(settings: Train, name: str, player: str) -> Panel:
-    return play_panel(
-        player,
-        OPPONENTS,
-        name=name,
-        games=settings.final_games,
-        scenario=settings.scenario,
-        seed=settings.seed,
-        camps=CAMPS if settings.side == "both" else (settings.side,),
-    )
 
 
 def _origin(settings: Train, folder: RunFolder) -> dict[str, object]:
@@ -68,13 +62,18 @@ def _title(settings: Train, minutes: float) -> str:
 
 
 def _gains(panels: dict[str, Panel]) -> str:
-    """Say how much the training gained, game by game on the same seeds, by opponent."""
+    """Say how far the trained policy is above the untrained one and above the best constant plan."""
     rows = []
     for opponent in OPPONENTS:
-        before, after = panels["untrained"].against(opponent), panels["trained"].against(opponent)
-        won = paired_interval(100 * after.scores, 100 * before.scores)
-        rows.append([opponent, _signed(won), _signed(paired_interval(after.margins, before.margins))])
-    return table(("gained against", "win rate, points of %", "mean margin"), rows)
+        trained = panels["trained"].against(opponent)
+        constant = max(CONSTANT_PLANS, key=lambda name: panels[name].against(opponent).win_rate.value)
+        for name in ("untrained", constant):
+            other = panels[name].against(opponent)
+            won = paired_interval(100 * trained.scores, 100 * other.scores)
+            rows.append(
+                [opponent, name, _signed(won), _signed(paired_interval(trained.margins, other.margins))]
+            )
+    return table(("against", "trained minus", "win rate, %", "mean margin"), rows)
 
 
 def _signed(estimate: Estimate) -> str:

@@ -5,22 +5,34 @@ from __future__ import annotations
 import sys
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import tyro
 
 from hexwar_sb3.commands.run_folder import RunFolder
 from hexwar_sb3.commands.settings import Json, ScenarioName, Seed
 from hexwar_sb3.errors import ConfigError, FileFormatError
+from hexwar_sb3.evaluation.seeds import Purpose
+
+EXPLORING_SHARE = 0.4  # of the games, in which epsilon falls to its last value
+
+if TYPE_CHECKING:
+    from hexwar_sb3.evaluation.panel import Terms
+
+Steps = Annotated[
+    int, tyro.conf.arg(aliases=("-n",), help="env steps: decisions of the camp, 24 make a game")
+]
+StartFrom = Annotated[
+    Path | None,
+    tyro.conf.arg(aliases=("-i",), help="model.zip to start from, with its own learner settings"),
+]
 
 
 @dataclass(frozen=True, kw_only=True)
 class Train:
     """Train a commander with QMIX over task sets, then say what it learned."""
 
-    n_timesteps: Annotated[int, tyro.conf.arg(aliases=("-n",))] = (
-        300_000  # env steps: 24 decisions make a game
-    )
+    n_timesteps: Steps = 300_000
     seed: Seed = 0
     scenario: ScenarioName = "plain"
     side: Literal["red", "blue", "both"] = "both"  # camp of the commander; both: in turn
@@ -31,15 +43,13 @@ class Train:
 
     preset: Literal["default", "paper"] = "default"  # settings of the learner
     mixer: Literal["qmix", "vdn", "iql"] | None = None  # else the preset's, like those below
-    learning_rate: float | None = None
-    batch_size: int | None = None
-    gamma: float | None = None
+    learning_rate: float | None = None  # of Adam
+    batch_size: int | None = None  # transitions of an update
+    gamma: float | None = None  # discount of 75 ticks
     n_steps: int | None = None  # steps of a transition
     gradient_steps: int | None = None  # updates a finished game
-    trained_agent: Annotated[Path | None, tyro.conf.arg(aliases=("-i",))] = (
-        None  # model.zip to start from, with its own learner settings
-    )
-    device: str = "auto"
+    trained_agent: StartFrom = None
+    device: str = "auto"  # "cpu", "cuda", or what there is
 
     eval_freq: int = 24_000  # env steps between two evaluations
     eval_games: int = 64  # games an opponent and colour in each of them
@@ -67,6 +77,19 @@ class Train:
         folder.write_config(self, " ".join(["hexwar", *sys.argv[1:]]))
         return train(self, env, folder)
 
+    def terms(self, games: int | None = None, purpose: Purpose = Purpose.REPORT) -> Terms:
+        """Say how this commander is measured: by default as on the page at the end."""
+        from hexwar_sb3.evaluation.panel import CAMPS, Terms
+
+        return Terms(
+            scenario=self.scenario,
+            games=games or self.final_games,
+            seed=self.seed,
+            purpose=purpose,
+            decision_ticks=self.decision_ticks,
+            camps=CAMPS if self.side == "both" else (self.side,),
+        )
+
     def _check(self) -> None:
         for name in ("n_timesteps", "n_envs", "eval_freq", "eval_games", "save_freq", "final_games"):
             if getattr(self, name) < 1:
@@ -76,10 +99,13 @@ class Train:
     def learner(self) -> dict[str, Any]:
         """Arguments of QMIX: the preset's, and those that were given."""
         from hexwar_sb3.algorithms.presets import PRESETS
+        from hexwar_sb3.engine.world import load_world
 
         names = ("mixer", "learning_rate", "batch_size", "gamma", "n_steps", "gradient_steps")
         given = {name: getattr(self, name) for name in names if getattr(self, name) is not None}
-        return {**PRESETS[self.preset], **given}
+        games = self.n_timesteps * self.decision_ticks // load_world(self.scenario).scenario.game_ticks
+        exploring = {"exploration_episodes": max(1, int(EXPLORING_SHARE * games))}
+        return {**exploring, **PRESETS[self.preset], **given}
 
 
 def settings_from(folder: RunFolder) -> Train:

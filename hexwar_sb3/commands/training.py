@@ -15,13 +15,12 @@ from hexwar_sb3.algorithms.checkpoint import load_checkpoint
 from hexwar_sb3.algorithms.qmix import QMIX
 from hexwar_sb3.callbacks.checkpoint import Checkpoint
 from hexwar_sb3.callbacks.progress import ProgressBar
-from hexwar_sb3.callbacks.record import write_game
+from hexwar_sb3.callbacks.record import write_games
 from hexwar_sb3.callbacks.win_rate import WinRateCallback
 from hexwar_sb3.commands.page import write_page
 from hexwar_sb3.commands.run_folder import RunFolder
 from hexwar_sb3.engine.world import load_world
 from hexwar_sb3.envs.registration import make_vec_env
-from hexwar_sb3.evaluation.panel import CAMPS
 from hexwar_sb3.evaluation.seeds import Purpose, seed_for
 
 if TYPE_CHECKING:
@@ -42,6 +41,21 @@ def train(settings: Train, env: VecEnv, folder: RunFolder) -> int:
     else:
         model = new_model(settings, env)
         model.policy.freeze(**about(settings)).save(folder.untrained)
+    if not learn(model, settings, folder):
+        saved = folder.checkpoint.exists()
+        print(
+            f"\nstopped; go on with: hexwar train --resume {folder.path}" if saved else "\nstopped, not saved"
+        )
+        return INTERRUPTED
+    model.save(folder.model)
+    opponent = settings.opponents[0]
+    write_games(folder.policy, opponent, settings.terms(), folder.replays, f"against_{Path(opponent).name}")
+    write_page(settings, folder, minutes=(monotonic() - start) / 60)
+    return 0
+
+
+def learn(model: QMIX, settings: Train, folder: RunFolder) -> bool:
+    """Let the model learn; False after Ctrl-C."""
     model.set_logger(new_logger(folder.path))
     checkpoint = Checkpoint(settings.save_freq, folder.checkpoint)
     try:
@@ -53,28 +67,10 @@ def train(settings: Train, env: VecEnv, folder: RunFolder) -> int:
                 reset_num_timesteps=False,
             )
     except KeyboardInterrupt:
-        saved = folder.checkpoint.exists()
-        print(
-            f"\nstopped; go on with: hexwar train --resume {folder.path}"
-            if saved
-            else "\nstopped, nothing saved"
-        )
-        return INTERRUPTED
+        return False
     finally:
         model.logger.close()
-    model.save(folder.model)
-    for camp in camps(settings):
-        path = folder.replays / f"{camp}_against_{Path(settings.opponents[0]).name}.hwr"
-        write_game(
-            path,
-            folder.policy,
-            settings.opponents[0],
-            scenario=settings.scenario,
-            seed=settings.seed,
-            camp=camp,
-        )
-    write_page(settings, folder, minutes=(monotonic() - start) / 60)
-    return 0
+    return True
 
 
 def make_env(settings: Train) -> VecEnv:
@@ -101,11 +97,6 @@ def new_model(settings: Train, env: VecEnv) -> QMIX:
     return model
 
 
-def camps(settings: Train) -> tuple[str, ...]:
-    """List the camps that the commander plays."""
-    return CAMPS if settings.side == "both" else (settings.side,)
-
-
 def about(settings: Train) -> dict[str, str]:
     """Say in a policy folder what it was trained on."""
     rules = load_world(settings.scenario).ruleset.hash
@@ -114,15 +105,9 @@ def about(settings: Train) -> dict[str, str]:
 
 def watchers(settings: Train, folder: RunFolder) -> list[BaseCallback]:
     """Build the callbacks that look at the training."""
+    terms = settings.terms(games=settings.eval_games, purpose=Purpose.SELECTION)
     win_rate = WinRateCallback(
-        settings.eval_freq,
-        settings.opponents,
-        scenario=settings.scenario,
-        games=settings.eval_games,
-        seed=settings.seed,
-        folder=folder.path,
-        about=about(settings),
-        camps=camps(settings),
+        settings.eval_freq, settings.opponents, terms, folder=folder.path, about=about(settings)
     )
     return [win_rate, *([ProgressBar(settings.n_timesteps)] if settings.progress else [])]
 

@@ -2,20 +2,51 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from hexwar_sb3.engine.replay import Replay
 from hexwar_sb3.evaluation.matches import play_match
-from hexwar_sb3.evaluation.results import CampResult
-from hexwar_sb3.evaluation.seeds import Purpose
-from hexwar_sb3.maps.scenario import Scenario
+from hexwar_sb3.evaluation.results import CampResult, MatchResult
+from hexwar_sb3.evaluation.seeds import Purpose, seed_for
+from hexwar_sb3.play.recording import record_game
+from hexwar_sb3.play.records import DECISION_TICKS
 
 CAMPS = ("red", "blue")
 CONSTANT_PLANS = ("all-main", "half-half", "two-hold")
 """Players that follow one fixed plan; every table shows them beside a learned one."""
 
 Cell = tuple[str, str]  # opponent, camp of the player
+
+
+@dataclass(frozen=True, kw_only=True)
+class Terms:
+    """What all cells of a table have in common."""
+
+    scenario: str = "plain"  # its name or its path
+    games: int = 2000  # a cell
+    seed: int = 0  # the user's, shifted into the range of the purpose
+    purpose: Purpose = Purpose.REPORT
+    decision_ticks: int = DECISION_TICKS  # between two decisions of a policy
+    camps: tuple[str, ...] = CAMPS  # that the player takes
+
+    def play(self, red: object, blue: object) -> MatchResult:
+        """Play one cell."""
+        return play_match(
+            red,
+            blue,
+            self.games,
+            self.scenario,
+            self.seed,
+            purpose=self.purpose,
+            decision_ticks=self.decision_ticks,
+        )
+
+    def record(self, red: object, blue: object) -> Replay:
+        """Play the first game of a cell and write it down."""
+        seed = seed_for(self.purpose, self.seed)
+        return record_game(red, blue, self.scenario, seed, decision_ticks=self.decision_ticks)
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,30 +76,26 @@ class Panel:
 def play_panel(
     player: object,
     opponents: Sequence[str],
+    terms: Terms,
     *,
     name: str,
-    games: int,
-    scenario: str | Scenario,
-    seed: int = 0,
-    purpose: Purpose = Purpose.REPORT,
-    camps: Sequence[str] = CAMPS,
+    progress: Callable[[int], object] | None = None,
 ) -> Panel:
-    """Play `games` games a cell: every opponent, every camp of the player, the same seeds each time.
+    """Play every opponent in every camp of the player, on the same seeds each time.
 
     Args:
         player: a name, a folder, a policy or a model (as in `play_match`).
         opponents: names or folders.
+        terms: scenario, games a cell, seed, and so on.
         name: what the player is called in tables.
-        games: games a cell.
-        scenario: a scenario, its name or its path.
-        seed: the user's seed, shifted into the range of the purpose.
-        purpose: what the games are for.
-        camps: the camps that the player takes.
+        progress: called with the number of games of each part that was played.
     """
     cells: dict[Cell, CampResult] = {}
     for opponent in opponents:
-        for camp in camps:
+        for camp in terms.camps:
             red, blue = (player, opponent) if camp == "red" else (opponent, player)
-            match = play_match(red, blue, games=games, scenario=scenario, seed=seed, purpose=purpose)
+            match = terms.play(red, blue)
             cells[opponent, camp] = match.red if camp == "red" else match.blue
+            if progress is not None:
+                progress(match.games)
     return Panel(name, cells)

@@ -10,11 +10,12 @@ import sys
 from collections.abc import Callable
 from pathlib import Path
 
-import numpy as np
 import pytest
 from safetensors.numpy import load_file
 
+from hexwar_sb3.algorithms.checkpoint import save_checkpoint
 from hexwar_sb3.algorithms.qmix import QMIX
+from hexwar_sb3.evaluation.history import History
 
 Command = Callable[..., tuple[int, str, str]]
 
@@ -31,6 +32,13 @@ def weights_hash(run: Path) -> str:
     for tensor in model.policy.state_dict().values():
         digest.update(tensor.numpy().tobytes())
     return digest.hexdigest()
+
+
+def save_and_press_ctrl_c(model: QMIX, path: Path) -> None:
+    first = not path.exists()
+    save_checkpoint(model, path)
+    if first:
+        signal.raise_signal(signal.SIGINT)
 
 
 def test_a_training_leaves_a_whole_run_folder(hexwar: Command, tmp_path: Path) -> None:
@@ -61,22 +69,23 @@ def test_a_training_leaves_a_whole_run_folder(hexwar: Command, tmp_path: Path) -
     assert load_file(run / "policy" / "weights.safetensors")
 
 
-def test_a_resumed_training_ends_with_the_weights_of_an_unbroken_one(hexwar: Command, tmp_path: Path) -> None:
+def test_a_resumed_training_ends_with_the_weights_of_an_unbroken_one(
+    hexwar: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """Architecture.md, section 6: on a CPU, the same weights."""
-    hexwar("train", *SMALL, "-n", "600", "--runs", str(tmp_path), "--name", "whole")
-    hexwar("train", *SMALL, "-n", "300", "--runs", str(tmp_path), "--name", "broken")
-    config = tmp_path / "broken_1" / "config.json"
-    settings = json.loads(config.read_text(encoding="utf-8"))
-    config.write_text(json.dumps({**settings, "n_timesteps": 600}), encoding="utf-8")
+    arguments = ("train", *SMALL, "-n", "600", "--runs", str(tmp_path))
+    with monkeypatch.context() as patch:
+        patch.setattr("hexwar_sb3.callbacks.checkpoint.save_checkpoint", save_and_press_ctrl_c)
+        stopped, _, _ = hexwar(*arguments, "--name", "broken")
 
     hexwar("train", "--resume", str(tmp_path / "broken_1"))
+    hexwar(*arguments, "--name", "whole")
 
+    assert stopped == 130
     assert weights_hash(tmp_path / "broken_1") == weights_hash(tmp_path / "whole_1")
-    with (
-        np.load(tmp_path / "broken_1" / "evaluations.npz") as broken,
-        np.load(tmp_path / "whole_1" / "evaluations.npz") as whole,
-    ):
-        assert broken["results"][-1].tolist() == whole["results"][-1].tolist()
+    broken, whole = (History.load(tmp_path / run / "evaluations.npz") for run in ("broken_1", "whole_1"))
+    assert broken.timesteps == whole.timesteps
+    assert broken.results[-1].margins.tolist() == whole.results[-1].margins.tolist()
 
 
 KILLED_AT_THE_SECOND_CHECKPOINT = """
@@ -114,8 +123,7 @@ def test_ctrl_c_saves_and_says_how_to_resume(
 
     def save(model: QMIX, path: Path) -> None:
         saved.append(model.num_timesteps)
-        path.touch()
-        signal.raise_signal(signal.SIGINT)
+        save_and_press_ctrl_c(model, path)
 
     monkeypatch.setattr("hexwar_sb3.callbacks.checkpoint.save_checkpoint", save)
 

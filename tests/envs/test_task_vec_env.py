@@ -75,7 +75,7 @@ def test_rewards_add_up_to_the_gain_of_the_margin(pick: Pick) -> None:
 
 
 def test_the_end_is_the_last_tick_and_keeps_its_observation(pick: Pick) -> None:
-    env = vec_env(2)
+    env = vec_env(2, opponent="random")  # somebody is left to observe the end
     obs, ticks, dones = cast("dict[str, NDArray[Any]]", env.reset()), 0, np.zeros(2, np.bool_)
     while not dones.any():
         last = {key: value.copy() for key, value in obs.items()}

@@ -5,7 +5,7 @@ import pytest
 
 from hexwar_sb3.errors import ConfigError, UnknownNameError
 from hexwar_sb3.evaluation.matches import play_match, player_name
-from hexwar_sb3.evaluation.panel import play_panel
+from hexwar_sb3.evaluation.panel import Terms, play_panel
 from hexwar_sb3.evaluation.round_robin import play_round_robin
 from hexwar_sb3.evaluation.seeds import Purpose
 
@@ -58,7 +58,7 @@ def test_a_folder_is_called_by_its_name() -> None:
 
 
 def test_a_panel_has_a_cell_for_each_opponent_and_camp() -> None:
-    panel = play_panel("nearest", ["MA1", "random"], name="nearest", games=2, scenario="plain")
+    panel = play_panel("nearest", ["MA1", "random"], Terms(games=2), name="nearest")
 
     assert list(panel.cells) == [
         (opponent, camp) for opponent in ("MA1", "random") for camp in ("red", "blue")
