@@ -24,7 +24,7 @@ from hexwar_sb3.tasks.travel import next_direction
 Round = Callable[[int], tuple[float, float]]  # number of the round -> amount done, seconds
 
 GAMES = 64  # of an engine or bot round
-LEG_TICKS = 150  # between two goals of a piece
+LEG_TICKS = 600  # between two goals of a piece: about the way to a control point
 ENV_GAMES = 16  # of an env round
 ENV_STEPS = 480  # env steps of a round, each of all games
 
