@@ -8,14 +8,14 @@ from hexwar_sb3.bots.fire import guide_missiles, lob_rounds
 from hexwar_sb3.bots.ladder import climb
 from hexwar_sb3.bots.points import choose_people, first_points, move_idle
 from hexwar_sb3.bots.registry import Bot
-from hexwar_sb3.bots.weigh import renew_trust
+from hexwar_sb3.bots.weigh import known_lead, renew_trust
 from hexwar_sb3.kernels import Row, Rows, kernel
 from hexwar_sb3.tasks.known import end_piece, first_piece
 
 
 @kernel
 def bot_act(
-    bot: int, camp: int, game: Row, pieces: Rows, memory: Rows, paths: Rows, rounds: Rows, orders: Rows,
+    bot: int, camp: int, game: Row, pieces: Rows, memory: Rows, rounds: Rows, orders: Rows,
     plans: Rows, brains: Rows, rules: Row, cells: Rows, los: Rows, eta: Rows, atlas: Row,
 ) -> None:  # fmt: skip
     """Let a bot look at its game at an event tick: it may choose plans and give direct orders."""
@@ -71,7 +71,7 @@ def support(
             guide_missiles(style, camp, game, pieces, memory, orders, brain, rules, cells, config)
         brain.wake_at = min(int(brain.wake_at), (tick // config.fire_ticks + 1) * config.fire_ticks)
     if tick % config.lob_ticks == 0:
-        lob_rounds(style, camp, game, pieces, memory, rounds, orders, brain, rules, cells, config)
+        lob_rounds(style, camp, game, pieces, memory, rounds, orders, rules, cells, config)
 
 
 @kernel
@@ -81,9 +81,10 @@ def think(
 ) -> None:  # fmt: skip
     """One thought of a full player: what is known, who takes and keeps which point, what everybody does."""
     config = atlas.config
-    renew_trust(camp, game, pieces, memory, brain, config)
+    renew_trust(camp, game, memory, brain, config)
     if brain.thoughts == 1:
         first_points(camp, game, pieces, brain, atlas)
+    brain.rush = game.tick >= config.endgame_tick and known_lead(camp, game, pieces, memory, rules) < 0
     choose_people(style, camp, game, pieces, brain, rules, cells, eta, config)
     move_idle(camp, game, pieces, memory, brain, cells, config, atlas)
     order_duties(style, camp, game, pieces, memory, rounds, plans, brain, rules, cells, los, eta, atlas)

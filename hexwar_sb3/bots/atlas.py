@@ -75,27 +75,24 @@ def _ring_offsets() -> npt.NDArray[np.int8]:
 def _fill_points(row: Row, camp: int, world: World) -> None:
     for k, point in enumerate(world.scenario.points):
         for band, (nearest, farthest) in enumerate(BAND_CELLS):
-            cells, worth = _best_posts(camp, point.cell, nearest, farthest, row, world)
+            cells = _best_posts(camp, point.cell, nearest, farthest, row, world)
             row.post[camp, k, band, : len(cells)] = cells
-            row.post_worth[camp, k, band, : len(cells)] = worth
 
 
 def _best_posts(
     camp: int, point: int, nearest: int, farthest: int, row: Row, world: World
-) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.float64]]:
+) -> npt.NDArray[np.int64]:
     """The best firing cells of one band, best first; ties by the cell in the camp's frame."""
     worth = np.full(world.cells.size, -np.inf)
     rate_posts(point, nearest, farthest, int(row.home[camp]), world.cells, world.los, world.eta, worth)
     return _best(worth, camp, world.cells, POSTS)
 
 
-def _best(
-    worth: npt.NDArray[np.float64], camp: int, cells: Rows, count: int
-) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.float64]]:
+def _best(worth: npt.NDArray[np.float64], camp: int, cells: Rows, count: int) -> npt.NDArray[np.int64]:
     found = np.flatnonzero(worth > -np.inf)
     frame = cells.mirror[found] if camp == Camp.BLUE else found
     order = np.lexsort((frame, -worth[found]))[:count]
-    return found[order], worth[found[order]]
+    return found[order]
 
 
 @kernel

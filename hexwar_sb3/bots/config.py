@@ -20,16 +20,15 @@ class Style:
 
     gain_weight: float  # weight of the best shot that a post offers
     threat_weight: float  # points of expected harm at a post against points of expected gain
-    post_weight: float  # a post's lasting worth (view of its point, cover) in points
+    cover_weight: float  # worth of a concealed cell, points
+    reach_weight: float  # of the shots at a tank on its point that a post offers
+    risk_weight: float  # of the shots of such a tank at the post
     eta_ticks: float  # ticks of travel that cost one point of a post's worth
     move_gain: float  # points by which a new post must beat the present one
-    band_worth: tuple[float, float, float, float]  # points added to posts of each band of distances
-    chariot_worth: tuple[float, float, float, float]  # the same for chariots
     patience_ticks: float  # ticks of travel after which what is known of the enemy is half as sure
     around_cells: int  # known enemies so near to a point count against entering it
     own_cells: int  # own pieces so near to it count for
     enter_ratio: float  # own power over known enemy power from which a piece enters a point
-    enter_after: int  # tick from which it enters anyway
     fire_value: float  # expected points from which a piece fires
     ambush_value: float  # the same while it is hidden and nobody near knows of it
     stop_value: float  # expected points for which a piece under way stops
@@ -50,21 +49,20 @@ class Style:
 ATTACK = Style(
     gain_weight=1.0,
     threat_weight=1.0,
-    post_weight=1.0,
+    cover_weight=3.0,
+    reach_weight=0.5,
+    risk_weight=0.0,
     eta_ticks=150.0,
     move_gain=2.0,
-    band_worth=(-2.0, 0.0, 1.0, 1.0),
-    chariot_worth=(-5.0, 0.0, 1.0, 1.0),
     patience_ticks=100.0,
-    around_cells=8,
+    around_cells=14,
     own_cells=12,
-    enter_ratio=1.0,
-    enter_after=1350,
+    enter_ratio=1.3,
     fire_value=0.5,
     ambush_value=0.5,
     stop_value=2.5,
     guide_value=1.0,
-    mortar_value=1.0,
+    mortar_value=0.03,
     hunt=1,
     covered=0,
     always_hide=0,
@@ -76,30 +74,29 @@ ATTACK = Style(
 )
 
 DEFENCE = Style(
-    gain_weight=1.0,
-    threat_weight=1.0,
-    post_weight=1.0,
-    eta_ticks=150.0,
-    move_gain=3.0,
-    band_worth=(-2.0, 0.0, 1.0, 1.0),
-    chariot_worth=(-5.0, 0.0, 1.0, 1.0),
+    gain_weight=0.6,
+    threat_weight=0.35,
+    cover_weight=3.0,
+    reach_weight=0.5,
+    risk_weight=0.16,
+    eta_ticks=105.0,
+    move_gain=5.0,
     patience_ticks=100.0,
     around_cells=14,
-    own_cells=10,
-    enter_ratio=1.5,
-    enter_after=1350,
-    fire_value=0.5,
-    ambush_value=1.5,
-    stop_value=2.5,
-    guide_value=1.0,
-    mortar_value=1.0,
+    own_cells=12,
+    enter_ratio=2.3,
+    fire_value=0.6,
+    ambush_value=1.8,
+    stop_value=2.3,
+    guide_value=2.0,
+    mortar_value=0.03,
     hunt=0,
     covered=1,
     always_hide=1,
-    drop_cells=8,
+    drop_cells=16,
     walk_ticks=450,
     keep_vehicles=0,
-    carry_delay=300.0,
+    carry_delay=500.0,
     take_delay=(300.0, 150.0, 0.0, 0.0),
 )
 
@@ -114,11 +111,9 @@ class BotConfig:
     trust_ticks: float = 300.0  # age at which a sighting is worth nothing
     guide_share: float = 0.8  # of the guided value: a chariot's own shot that is as good goes first
     lob_ticks: int = 25  # mortars look for targets this often
-    still_ticks: int = 75  # a target of the mortar has stood so long, and was seen so lately
+    still_ticks: int = 30  # a target of the mortar has stood so long, and was seen so lately
     safe_cells: int = 2  # from own pieces to the aim of a mortar
     safe_point_cells: int = 12  # an own point is safe with no known enemy so near
-    elsewhere_worth: float = -5.0  # lasting worth of a cell that the atlas does not list as a post
-    shelter_worth: float = 2.5  # added where such a cell is concealed
     second_share: float = 0.3  # of the second best shot that a post offers
     near_posts: int = 37  # cells around a piece that it looks at as posts
     keeper_cells: int = 1
@@ -127,7 +122,7 @@ class BotConfig:
     ride_spare_ticks: int = 300
     hunt_ticks: float = 200.0  # ticks of travel that halve the worth of prey
     flight_cost: float = 0.05  # points a cell that the aerocraft flies
-    endgame_tick: int = 1350
+    endgame_tick: int = 1350  # from here on a player that is behind rushes the points
     random_tries: int = 8  # orders that the random player draws for a piece before it lets it be
     random_hops: int = 10  # its longest path
 

@@ -8,7 +8,7 @@ from hexwar_sb3.bots.posts import choose_post
 from hexwar_sb3.bots.rides import carry, ride
 from hexwar_sb3.bots.scout import scout
 from hexwar_sb3.bots.weigh import enemy_near
-from hexwar_sb3.engine.pieces import in_fight
+from hexwar_sb3.engine.pieces import in_fight, is_settled
 from hexwar_sb3.engine.records import NO_CELL, NO_PIECE
 from hexwar_sb3.kernels import Row, Rows, kernel
 from hexwar_sb3.rules.enums import PieceType
@@ -44,13 +44,13 @@ def order_duties(
 def recovers(
     i: int, camp: int, game: Row, pieces: Rows, memory: Rows, brain: Row, rules: Row, cells: Rows
 ) -> bool:
-    """A suppressed soldier with time to gain and no enemy beside it works itself free."""
+    """A suppressed piece that stands, sees nobody and has time to gain works itself free."""
     piece = pieces[i]
-    if piece.kind != PieceType.SOLDIER or not piece.suppressed:
+    if not piece.suppressed or not is_settled(piece) or piece.sees != 0:
         return False
     if ticks_left(piece.keep_ends, game.tick) <= rules.decompress_above_ticks:
         return False
-    return not enemy_near(piece.cell, 2, camp, game, pieces, memory, brain, cells)
+    return not enemy_near(piece.cell, 2, camp, pieces, memory, brain, cells)
 
 
 @kernel
@@ -90,12 +90,15 @@ def work(
             brain.post[slot] = NO_CELL
             give_plan(style, i, TaskKind.HIDE, game.point_cell[p], game, plans)
             return
-        if brain.taker[p] == slot and may_enter(
-            style, p, camp, game, pieces, memory, brain, rules, cells, atlas.config
-        ):
+        if brain.taker[p] == slot and may_enter(style, p, camp, game, pieces, memory, brain, rules, cells):
             brain.post[slot] = NO_CELL
             give_plan(style, i, TaskKind.HOLD, game.point_cell[p], game, plans)
             return
+    k = brain.point[slot]
+    if brain.rush and game.point_owner[k] != camp and pieces[i].kind != PieceType.SOLDIER:
+        brain.post[slot] = NO_CELL
+        give_plan(style, i, TaskKind.HOLD, game.point_cell[k], game, plans)
+        return
     if pieces[i].kind == PieceType.SOLDIER:
         give_plan(style, i, TaskKind.HIDE, pieces[i].cell, game, plans)
         return
@@ -110,7 +113,7 @@ def take_post(
     """Go to the best post and fire from it; hide there while nobody is in sight."""
     prey = NO_PIECE
     if style.hunt:
-        prey = best_prey(i, camp, game, pieces, memory, brain, rules, cells, eta, atlas)
+        prey = best_prey(i, camp, pieces, memory, brain, rules, cells, eta, atlas)
     cell = choose_post(style, i, prey, camp, game, pieces, memory, brain, rules, cells, los, eta, atlas)
     brain.post[i - first_piece(camp, game)] = cell
     hides = pieces[i].sees == 0 or style.always_hide
@@ -119,7 +122,7 @@ def take_post(
 
 @kernel
 def best_prey(
-    i: int, camp: int, game: Row, pieces: Rows, memory: Rows, brain: Row, rules: Row, cells: Rows, eta: Rows, atlas: Row
+    i: int, camp: int, pieces: Rows, memory: Rows, brain: Row, rules: Row, cells: Rows, eta: Rows, atlas: Row
 ) -> int:  # fmt: skip
     """Known enemy that is worth most for the way to it; NO_PIECE."""
     best, prey = 0.0, NO_PIECE

@@ -71,8 +71,7 @@ def own_shots_do(
 
 @kernel
 def lob_rounds(
-    style: Row, camp: int, game: Row, pieces: Rows, memory: Rows, rounds: Rows, orders: Rows, brain: Row,
-    rules: Row, cells: Rows, config: Row,
+    style: Row, camp: int, game: Row, pieces: Rows, memory: Rows, rounds: Rows, orders: Rows, rules: Row, cells: Rows, config: Row,
 ) -> None:  # fmt: skip
     """Fire the mortars of idle chariots at enemies that stand still."""
     for i in range(first_piece(camp, game), end_piece(camp, game)):

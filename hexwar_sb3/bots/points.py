@@ -36,9 +36,7 @@ def is_safe(
     """An own point with no known enemy around."""
     if game.point_owner[k] != camp:
         return False
-    return not enemy_near(
-        game.point_cell[k], config.safe_point_cells, camp, game, pieces, memory, brain, cells
-    )
+    return not enemy_near(game.point_cell[k], config.safe_point_cells, camp, pieces, memory, brain, cells)
 
 
 @kernel
@@ -138,13 +136,12 @@ def may_enter(
     brain: Row,
     rules: Row,
     cells: Rows,
-    config: Row,
 ) -> bool:
     """The camp is strong enough around a foreign point to go in, or it is time to."""
-    if game.tick >= style.enter_after:
+    if brain.rush:
         return True
     cell = game.point_cell[k]
-    enemies = known_power(cell, style.around_cells, camp, game, pieces, memory, brain, rules, cells)
+    enemies = known_power(cell, style.around_cells, camp, pieces, memory, brain, rules, cells)
     if enemies <= 0.0:
         return True
     own = own_power(cell, style.own_cells, camp, game, pieces, rules, cells)

@@ -3,56 +3,25 @@
 from __future__ import annotations
 
 from hexwar_sb3.bots.atlas import cell_at
-from hexwar_sb3.bots.weigh import danger_row, gain_at, guided_gain, threat_at
+from hexwar_sb3.bots.records import BANDS, POSTS, RING
+from hexwar_sb3.bots.weigh import (
+    danger_of,
+    danger_row,
+    exposed_reach,
+    gain_at,
+    guided_gain,
+    threat_at,
+)
 from hexwar_sb3.engine.pieces import stands_in
 from hexwar_sb3.engine.records import NO_CELL, NO_PIECE
+from hexwar_sb3.engine.sight import line_of_sight
 from hexwar_sb3.kernels import Row, Rows, kernel
+from hexwar_sb3.maps.geometry import cells_apart
 from hexwar_sb3.rules.enums import PieceType
 from hexwar_sb3.tasks.known import end_piece, first_piece
 from hexwar_sb3.tasks.travel import UNREACHABLE, travel_ticks
 
 WORST = -1e9
-
-
-@kernel
-def post_score(
-    style: Row, i: int, cell: int, worth: float, at_least: float, camp: int, game: Row, pieces: Rows, memory: Rows, brain: Row,
-    rules: Row, cells: Rows, los: Rows, eta: Rows, atlas: Row,
-) -> float:  # fmt: skip
-    """Worth of a cell as the post of piece i, points; WORST where it cannot stand.
-
-    Args:
-        worth: what the cell is worth whatever the enemy does.
-        at_least: a lower score is of no interest, and need not be exact.
-    """
-    piece = pieces[i]
-    ticks = travel_ticks(piece.kind, piece.cell, cell, rules, cells, eta)
-    score = worth - ticks / style.eta_ticks
-    if score + style.gain_weight * atlas.best_gain[piece.kind] <= at_least:
-        return WORST
-    if ticks >= UNREACHABLE or is_taken(i, cell, camp, game, pieces, brain):
-        return WORST
-    if brain.n_foes == 0:
-        return score
-    row = danger_row(piece, rules)
-    gain = gain_at(piece.kind, row, cell, camp, game, pieces, memory, brain, rules, cells, los, atlas)
-    if piece.kind == PieceType.CHARIOT:
-        gain = max(gain, guided_gain(i, row, cell, camp, game, pieces, memory, brain, rules, cells, atlas))
-    threat = threat_at(piece.kind, cell, camp, game, pieces, memory, brain, rules, cells, los, atlas)
-    lasting = 1.0 / (1.0 + ticks / style.patience_ticks)
-    return score + lasting * (style.gain_weight * gain - style.threat_weight * threat)
-
-
-@kernel
-def is_taken(i: int, cell: int, camp: int, game: Row, pieces: Rows, brain: Row) -> bool:
-    """Another own ground piece stands there or is on its way there: two in a cell are a better target."""
-    first = first_piece(camp, game)
-    for other in range(first, end_piece(camp, game)):
-        if other == i or pieces[other].blood == 0 or pieces[other].carrier != NO_PIECE:
-            continue
-        if stands_in(pieces[other], cell) or brain.post[other - first] == cell:
-            return True
-    return False
 
 
 @kernel
@@ -65,116 +34,109 @@ def choose_post(
     Args:
         prey: a known enemy, around which posts are looked for too, or NO_PIECE.
     """
-    here = int(pieces[i].cell)
-    k = brain.point[i - first_piece(camp, game)]
-    present = int(brain.post[i - first_piece(camp, game)])
-    best = present if present != NO_CELL else here
-    best_score = post_score(
-        style, i, best, lasting_worth(style, pieces[i].kind, best, k, camp, cells, atlas), WORST, camp, game, pieces, memory, brain,
-        rules, cells, los, eta, atlas,
-    )  # fmt: skip
-    if present != NO_CELL:
-        best_score += style.move_gain
-    for band in range(atlas.post.shape[2]):
-        for n in range(atlas.post.shape[3]):
-            cell = int(atlas.post[camp, k, band, n])
-            if cell == NO_CELL:
-                break
-            worth = style.post_weight * atlas.post_worth[camp, k, band, n] + band_worth(
-                style, pieces[i].kind, band
-            )
-            score = post_score(
-                style,
-                i,
-                cell,
-                worth,
-                best_score,
-                camp,
-                game,
-                pieces,
-                memory,
-                brain,
-                rules,
-                cells,
-                los,
-                eta,
-                atlas,
-            )
-            if score > best_score:
-                best, best_score = cell, score
-    if brain.n_foes > 0:
-        for n in range(atlas.config.near_posts):
-            cell = cell_at(here, atlas.around[n, 0], atlas.around[n, 1], camp, cells, atlas)
-            if cell == NO_CELL or cells[cell].passable == 0:
-                continue
-            score = post_score(
-                style,
-                i,
-                cell,
-                atlas.config.elsewhere_worth,
-                best_score,
-                camp,
-                game,
-                pieces,
-                memory,
-                brain,
-                rules,
-                cells,
-                los,
-                eta,
-                atlas,
-            )
-            if score > best_score:
-                best, best_score = cell, score
-    if prey != NO_PIECE:
-        for n in range(atlas.ring.shape[0]):
-            cell = cell_at(memory[camp, prey].cell, atlas.ring[n, 0], atlas.ring[n, 1], camp, cells, atlas)
-            if cell == NO_CELL or cells[cell].passable == 0:
-                continue
-            score = post_score(
-                style,
-                i,
-                cell,
-                atlas.config.elsewhere_worth,
-                best_score,
-                camp,
-                game,
-                pieces,
-                memory,
-                brain,
-                rules,
-                cells,
-                los,
-                eta,
-                atlas,
-            )
-            if score > best_score:
-                best, best_score = cell, score
+    slot = i - first_piece(camp, game)
+    k = brain.point[slot]
+    best = int(brain.post[slot])
+    bonus = style.move_gain
+    if best == NO_CELL:
+        best, bonus = int(pieces[i].cell), 0.0
+    best_score = bonus + post_score(
+        style, i, best, k, WORST, camp, game, pieces, memory, brain, rules, cells, los, eta, atlas
+    )
+    around = memory[camp, prey].cell if prey != NO_PIECE else NO_CELL
+    for n in range(list_posts(int(pieces[i].cell), around, k, camp, brain, cells, atlas)):
+        cell = int(brain.choices[n])
+        score = post_score(
+            style, i, cell, k, best_score, camp, game, pieces, memory, brain, rules, cells, los, eta, atlas
+        )  # fmt: skip
+        if score > best_score:
+            best, best_score = cell, score
     return best
 
 
 @kernel
-def lasting_worth(style: Row, kind: int, cell: int, k: int, camp: int, cells: Rows, atlas: Row) -> float:
-    """What the atlas says of a cell as a post of point k; or of any other cell."""
-    for band in range(atlas.post.shape[2]):
-        for n in range(atlas.post.shape[3]):
-            if atlas.post[camp, k, band, n] == cell:
-                worth = style.post_weight * atlas.post_worth[camp, k, band, n]
-                return float(worth + band_worth(style, kind, band))
-    return elsewhere(cell, cells, atlas.config)
+def list_posts(here: int, around: int, k: int, camp: int, brain: Row, cells: Rows, atlas: Row) -> int:
+    """Fill `brain.choices` with cells worth a look, in the camp's order; returns their number.
+
+    The atlas's posts of the point; with known enemies also the cells beside `here`; those in rings
+    about `around` where that is a cell.
+    """
+    count = 0
+    for band in range(BANDS):
+        for n in range(POSTS):
+            count = note_cell(int(atlas.post[camp, k, band, n]), count, brain, cells)
+    if brain.n_foes > 0:
+        for n in range(atlas.config.near_posts):
+            cell = cell_at(here, atlas.around[n, 0], atlas.around[n, 1], camp, cells, atlas)
+            count = note_cell(cell, count, brain, cells)
+    if around != NO_CELL:
+        for n in range(RING):
+            cell = cell_at(around, atlas.ring[n, 0], atlas.ring[n, 1], camp, cells, atlas)
+            count = note_cell(cell, count, brain, cells)
+    return count
 
 
 @kernel
-def band_worth(style: Row, kind: int, band: int) -> float:
-    """What a type of piece adds to posts of a band of distances: chariots keep farther off than tanks."""
-    if kind == PieceType.CHARIOT:
-        return float(style.chariot_worth[band])
-    return float(style.band_worth[band])
+def note_cell(cell: int, count: int, brain: Row, cells: Rows) -> int:
+    """Add a cell to the choices if ground pieces may stand there; returns the new count."""
+    if cell == NO_CELL or cells[cell].passable == 0:
+        return count
+    brain.choices[count] = cell
+    return count + 1
 
 
 @kernel
-def elsewhere(cell: int, cells: Rows, config: Row) -> float:
-    """Lasting worth of a cell that is no post of any point."""
-    if cells[cell].concealed:
-        return float(config.elsewhere_worth + config.shelter_worth)
-    return float(config.elsewhere_worth)
+def post_score(
+    style: Row, i: int, cell: int, k: int, at_least: float, camp: int, game: Row, pieces: Rows, memory: Rows,
+    brain: Row, rules: Row, cells: Rows, los: Rows, eta: Rows, atlas: Row,
+) -> float:  # fmt: skip
+    """Worth of a cell as the post of piece i, points; WORST where it cannot stand.
+
+    Args:
+        k: the control point that the piece works for.
+        at_least: a lower score is of no interest, and need not be exact.
+    """
+    piece = pieces[i]
+    row = danger_row(piece, rules)
+    ticks = travel_ticks(piece.kind, piece.cell, cell, rules, cells, eta)
+    score = lasting_worth(style, piece.kind, row, cell, game.point_cell[k], rules, cells, los, atlas)
+    score -= ticks / style.eta_ticks
+    if score + style.gain_weight * atlas.best_gain[piece.kind] <= at_least:
+        return WORST
+    if ticks >= UNREACHABLE or is_taken(i, cell, camp, game, pieces, brain):
+        return WORST
+    if brain.n_foes == 0:
+        return score
+    gain = gain_at(piece.kind, row, cell, camp, pieces, memory, brain, rules, cells, los, atlas)
+    if piece.kind == PieceType.CHARIOT:
+        gain = max(gain, guided_gain(i, row, cell, camp, game, pieces, memory, brain, cells, atlas))
+    threat = threat_at(piece.kind, cell, camp, pieces, memory, brain, rules, cells, los, atlas)
+    sure = 1.0 / (1.0 + ticks / style.patience_ticks)
+    return score + sure * (style.gain_weight * gain - style.threat_weight * threat)
+
+
+@kernel
+def lasting_worth(
+    style: Row, kind: int, row: int, cell: int, point: int, rules: Row, cells: Rows, los: Rows, atlas: Row
+) -> float:  # fmt: skip
+    """What a cell is worth whoever is known: cover, and a duel with a tank that stands on the point."""
+    worth = style.cover_weight * cells[cell].concealed
+    if not line_of_sight(los, 0, cell, point):
+        return worth
+    worth += style.reach_weight * danger_of(row, cell, PieceType.TANK, point, 0, cells, atlas)
+    if cells_apart(cells, cell, point) <= exposed_reach(PieceType.TANK, kind, cell, rules, cells):
+        shelter = int(cells[cell].concealed)
+        worth -= style.risk_weight * danger_of(PieceType.TANK, point, kind, cell, shelter, cells, atlas)
+    return worth
+
+
+@kernel
+def is_taken(i: int, cell: int, camp: int, game: Row, pieces: Rows, brain: Row) -> bool:
+    """Another own ground piece stands there or is on its way there: two in a cell are a better target."""
+    first = first_piece(camp, game)
+    for other in range(first, end_piece(camp, game)):
+        if other == i or pieces[other].blood == 0 or pieces[other].carrier != NO_PIECE:
+            continue
+        if stands_in(pieces[other], cell) or brain.post[other - first] == cell:
+            return True
+    return False

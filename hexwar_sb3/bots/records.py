@@ -12,6 +12,7 @@ BAND_CELLS = ((4, 8), (9, 12), (13, 16), (17, 20))  # nearest and farthest cell 
 POSTS = 12  # firing cells kept of each band
 AROUND = 91  # cells within 5 of a cell, itself included
 RING = 48  # cells 6 to 14 away from an enemy, for hunters
+CHOICES = BANDS * POSTS + AROUND + RING  # most cells that are looked at for one piece
 REACH = 26  # distances 0..25 of the danger table
 SHELTERS = 3  # a target in the open; concealed or hidden; both
 UPHILL = 9  # grade steps from the shooter up to its target, 8 and more the last
@@ -31,9 +32,11 @@ BRAIN = np.dtype(
         ("dropped_for", "i1", (MAX_SIDE,)),  # control point + 1 that a soldier was set down for; 0: none yet
         ("taker", "i1", (MAX_POINTS,)),  # slot that is to take a point; NOBODY
         ("keeper", "i1", (MAX_POINTS,)),  # slot that is to stay on an own point; NOBODY
+        ("rush", "u1"),  # behind near the end: everybody goes for the points
         ("n_foes", "u1"),
         ("foes", "i1", (MAX_SIDE,)),  # enemies with some trust, at the last thought
         ("trust", "f4", (MAX_PIECES,)),  # in what is known of each enemy, 0..1, at the last thought
+        ("choices", "i2", (CHOICES,)),  # cells that the piece at hand looks at as posts
         ("allotted", "i2", (MAX_PIECES,)),  # losses expected of the shots given in this step
     ],
     align=True,
@@ -50,7 +53,6 @@ ATLAS = np.dtype(
         ("home", "i2", (2,)),  # [camp] cell of its first piece at the start
         # [camp, point, band] cells with a view of the point, best first
         ("post", "i2", (2, MAX_POINTS, BANDS, POSTS)),
-        ("post_worth", "f4", (2, MAX_POINTS, BANDS, POSTS)),
         # [shooter or SPENT, target, sheltered, steps uphill, distance] expected points at full blood
         ("danger", "f4", (SPENT + 1, 4, SHELTERS, UPHILL, REACH)),
         ("best_gain", "f4", (4,)),  # [shooter] most that `gain_at` can say

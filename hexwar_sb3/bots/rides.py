@@ -25,12 +25,12 @@ def carry(
     """Bring the soldier to its point if that is quiet, else to a post from which it can guide."""
     first = first_piece(camp, game)
     point = game.point_cell[k]
-    quiet = not enemy_near(point, style.drop_cells, camp, game, pieces, memory, brain, cells)
+    quiet = not enemy_near(point, style.drop_cells, camp, pieces, memory, brain, cells)
     brain.dropped_for[pieces[i].passenger - first] = k + 1
     if (
         brain.taker[k] == i - first
         and quiet
-        and may_enter(style, k, camp, game, pieces, memory, brain, rules, cells, atlas.config)
+        and may_enter(style, k, camp, game, pieces, memory, brain, rules, cells)
     ):
         brain.post[i - first] = NO_CELL
         give_plan(style, i, TaskKind.HOLD, point, game, plans)
@@ -100,10 +100,10 @@ def wants_ride(
         return False
     if cells_apart(cells, soldier.cell, point) <= config.walk_cells:
         return False
-    if enemy_near(soldier.cell, config.ride_clear_cells, camp, game, pieces, memory, brain, cells):
+    if enemy_near(soldier.cell, config.ride_clear_cells, camp, pieces, memory, brain, cells):
         return False
     ticks = travel_ticks(PieceType.CHARIOT, chariot.cell, soldier.cell, rules, cells, eta)
     ticks += travel_ticks(PieceType.CHARIOT, soldier.cell, point, rules, cells, eta)
-    if enemy_near(point, config.ride_clear_cells, camp, game, pieces, memory, brain, cells):
+    if enemy_near(point, config.ride_clear_cells, camp, pieces, memory, brain, cells):
         return False
     return ticks + config.ride_spare_ticks < game.end_tick - game.tick

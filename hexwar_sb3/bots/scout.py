@@ -18,11 +18,7 @@ def scout(
 ) -> int:  # fmt: skip
     """Cell for the aerocraft: around its prey if there is one, else above the point that it works for."""
     prey = air_prey(i, camp, game, pieces, memory, brain, rules, cells, atlas)
-    around = (
-        int(memory[camp, prey].cell)
-        if prey != NO_PIECE
-        else picket(style, i, camp, game, pieces, brain, cells, atlas)
-    )
+    around = int(memory[camp, prey].cell) if prey != NO_PIECE else picket(i, camp, game, pieces, brain)
     best, best_score = int(pieces[i].cell), -1e9
     for n in range(atlas.around.shape[0]):
         cell = cell_at(around, atlas.around[n, 0], atlas.around[n, 1], camp, cells, atlas)
@@ -33,7 +29,6 @@ def scout(
             PieceType.AEROCRAFT,
             cell,
             camp,
-            game,
             pieces,
             memory,
             brain,
@@ -43,7 +38,7 @@ def scout(
             atlas,
         )
         score -= style.threat_weight * threat_at(
-            PieceType.AEROCRAFT, cell, camp, game, pieces, memory, brain, rules, cells, los, atlas
+            PieceType.AEROCRAFT, cell, camp, pieces, memory, brain, rules, cells, los, atlas
         )
         score -= cells_apart(cells, cell, pieces[i].cell) * atlas.config.flight_cost
         if prey == NO_PIECE:
@@ -71,10 +66,8 @@ def air_prey(
 
 
 @kernel
-def picket(
-    style: Row, i: int, camp: int, game: Row, pieces: Rows, brain: Row, cells: Rows, atlas: Row
-) -> int:
-    """Where the aerocraft waits for prey: above its point, or between it and the enemy's start."""
+def picket(i: int, camp: int, game: Row, pieces: Rows, brain: Row) -> int:
+    """Where the aerocraft waits for prey: above the point that it works for."""
     k = brain.point[i - first_piece(camp, game)]
     if game.n_points == 0:
         return int(pieces[i].cell)

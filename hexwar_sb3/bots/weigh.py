@@ -8,9 +8,10 @@ from __future__ import annotations
 from hexwar_sb3.bots.records import SPENT
 from hexwar_sb3.engine.fire import clamp
 from hexwar_sb3.engine.pieces import on_map, target_class, weapon_ammo
+from hexwar_sb3.engine.score import known_margin, points_value
 from hexwar_sb3.kernels import Row, Rows, kernel
 from hexwar_sb3.maps.geometry import cells_apart
-from hexwar_sb3.rules.enums import PieceType, TargetClass, Weapon
+from hexwar_sb3.rules.enums import Camp, PieceType, TargetClass, Weapon
 from hexwar_sb3.tasks.known import (
     end_piece,
     first_piece,
@@ -22,7 +23,7 @@ from hexwar_sb3.tasks.known import (
 
 
 @kernel
-def renew_trust(camp: int, game: Row, pieces: Rows, memory: Rows, brain: Row, config: Row) -> None:
+def renew_trust(camp: int, game: Row, memory: Rows, brain: Row, config: Row) -> None:
     """How much each enemy's last known place still says: 1 seen now, 0 after `trust_ticks` or never seen."""
     brain.n_foes = 0
     for j in range(first_piece(1 - camp, game), end_piece(1 - camp, game)):
@@ -47,7 +48,7 @@ def exposed_reach(kind: int, target_kind: int, cell: int, rules: Row, cells: Row
 
 @kernel
 def danger_of(
-    row: int, cell: int, target: int, target_cell: int, shelter: int, rules: Row, cells: Rows, atlas: Row
+    row: int, cell: int, target: int, target_cell: int, shelter: int, cells: Rows, atlas: Row
 ) -> float:
     """Expected points of a shot of a type of piece (a row of the danger table) from cell to cell."""
     apart = cells_apart(cells, cell, target_cell)
@@ -59,7 +60,7 @@ def danger_of(
 
 @kernel
 def threat_at(
-    kind: int, cell: int, camp: int, game: Row, pieces: Rows, memory: Rows, brain: Row,
+    kind: int, cell: int, camp: int, pieces: Rows, memory: Rows, brain: Row,
     rules: Row, cells: Rows, los: Rows, atlas: Row,
 ) -> float:  # fmt: skip
     """Points that known enemies may be expected to cost an unhidden piece in a cell, one round of shots."""
@@ -71,7 +72,7 @@ def threat_at(
         enemy = pieces[j].kind
         if cells_apart(cells, cell, known.cell) > exposed_reach(enemy, kind, cell, rules, cells):
             continue
-        danger = danger_of(enemy, known.cell, kind, cell, int(cells[cell].concealed), rules, cells, atlas)
+        danger = danger_of(enemy, known.cell, kind, cell, int(cells[cell].concealed), cells, atlas)
         if danger > 0.0 and has_line_from(enemy, known.cell, kind, cell, los):
             total += trust * danger * known.blood / float(rules.blood[enemy])
     return total
@@ -87,7 +88,7 @@ def danger_row(piece: Row, rules: Row) -> int:
 
 @kernel
 def gain_at(
-    kind: int, row: int, cell: int, camp: int, game: Row, pieces: Rows, memory: Rows, brain: Row,
+    kind: int, row: int, cell: int, camp: int, pieces: Rows, memory: Rows, brain: Row,
     rules: Row, cells: Rows, los: Rows, atlas: Row,
 ) -> float:  # fmt: skip
     """Expected points of the best shot from a cell at a known enemy, plus a share of the second best.
@@ -104,7 +105,7 @@ def gain_at(
         if cells_apart(cells, cell, known.cell) > reach_of_sight(kind, cell, target, known, rules, cells):
             continue
         shelter = int(cells[known.cell].concealed) + int(known.hidden)
-        value = trust * danger_of(row, cell, target, known.cell, shelter, rules, cells, atlas)
+        value = trust * danger_of(row, cell, target, known.cell, shelter, cells, atlas)
         if value > second and has_line_from(kind, cell, target, known.cell, los):
             if value > best:
                 best, second = value, best
@@ -116,7 +117,7 @@ def gain_at(
 @kernel
 def guided_gain(
     c: int, row: int, cell: int, camp: int, game: Row, pieces: Rows, memory: Rows, brain: Row,
-    rules: Row, cells: Rows, atlas: Row,
+    cells: Rows, atlas: Row,
 ) -> float:  # fmt: skip
     """Expected points of the best missile that chariot c could launch from a cell, guided by its soldier."""
     best = 0.0
@@ -132,7 +133,7 @@ def guided_gain(
                 continue
             known = memory[camp, j]
             shelter = int(cells[known.cell].concealed) + int(known.hidden)
-            value = danger_of(row, cell, pieces[j].kind, known.cell, shelter, rules, cells, atlas)
+            value = danger_of(row, cell, pieces[j].kind, known.cell, shelter, cells, atlas)
             best = max(best, brain.trust[j] * value)
     return best
 
@@ -158,7 +159,6 @@ def known_power(
     cell: int,
     within: int,
     camp: int,
-    game: Row,
     pieces: Rows,
     memory: Rows,
     brain: Row,
@@ -176,8 +176,15 @@ def known_power(
 
 
 @kernel
+def known_lead(camp: int, game: Row, pieces: Rows, memory: Rows, rules: Row) -> int:
+    """Own total minus the enemy's as the camp knows it: what decides the game."""
+    lead = known_margin(game, pieces, memory, camp, rules)
+    return int(lead if game.net_score else lead + points_value(game, Camp.GREEN))
+
+
+@kernel
 def enemy_near(
-    cell: int, within: int, camp: int, game: Row, pieces: Rows, memory: Rows, brain: Row, cells: Rows
+    cell: int, within: int, camp: int, pieces: Rows, memory: Rows, brain: Row, cells: Rows
 ) -> bool:
     """A known enemy ground piece is within some cells of a cell."""
     for n in range(brain.n_foes):

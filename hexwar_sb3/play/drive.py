@@ -84,7 +84,7 @@ def act(
         drive.fresh[camp] = 0
         if drive.seat[camp] != EXTERNAL:
             bot_act(
-                drive.seat[camp], camp, game, pieces, memory, paths, rounds, orders, plans, brains,
+                drive.seat[camp], camp, game, pieces, memory, rounds, orders, plans, brains,
                 rules, cells, los, eta, atlas,
             )  # fmt: skip
             drive.wake_at[camp] = next_thought(brains[camp], game.tick)

@@ -27,6 +27,9 @@ class MatchGames:
     margins: NDArray[np.int64]  # eq. (1), points [games, camp]; with green points they do not sum to 0
     win: NDArray[np.float64]  # 1 red won, 0.5 draw, 0 blue won [games]
     points_held: NDArray[np.int64]  # control points at the end [games, camp]
+    owners: NDArray[
+        np.int8
+    ]  # who holds each control point at the end, GREEN if nobody ever took it [games, points]
     ticks: NDArray[np.int64]  # length [games]
     actions: NDArray[np.int64]  # orders carried out [games, camp, Action]
 
@@ -61,7 +64,7 @@ def play_games(
     pair = decision_ticks if isinstance(decision_ticks, tuple) else (decision_ticks, decision_ticks)
     seats = make_player(red), make_player(blue)
     arena = Arena(load_world(scenario), min(games, BATCH_GAMES), Setup(decision_ticks=pair))
-    results = _empty(games)
+    results = _empty(games, len(arena.world.scenario.points))
     for first in range(0, games, BATCH_GAMES):
         which = np.arange(min(BATCH_GAMES, games - first))
         _play_batch(arena, which, seats, [game_seed(seed, first + int(b)) for b in which])
@@ -83,12 +86,13 @@ def _play_batch(arena: Arena, which: Games, seats: tuple[Seat, Seat], seeds: lis
         which = which[~arena.over(which)]
 
 
-def _empty(games: int) -> MatchGames:
+def _empty(games: int, points: int) -> MatchGames:
     n_actions = DRIVE["actions"].shape[1]
     return MatchGames(
         margins=np.zeros((games, 2), np.int64),
         win=np.zeros(games),
         points_held=np.zeros((games, 2), np.int64),
+        owners=np.zeros((games, points), np.int8),
         ticks=np.zeros(games, np.int64),
         actions=np.zeros((games, 2, n_actions), np.int64),
     )
@@ -98,6 +102,7 @@ def _record(arena: Arena, which: Games, results: MatchGames, first: int) -> None
     rows = first + which
     results.win[rows] = arena.wins(which, np.full(len(which), Camp.RED))
     results.ticks[rows] = arena.state.games.tick[which]
+    results.owners[rows] = arena.state.games.point_owner[which, : results.owners.shape[1]]
     results.actions[rows] = arena.drives.actions[which]
     for camp in (Camp.RED, Camp.BLUE):
         results.margins[rows, camp] = arena.margins(which, np.full(len(which), camp))
