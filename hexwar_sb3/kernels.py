@@ -69,7 +69,12 @@ def source_hash(path: Path) -> str:
     return digest.hexdigest()[:16]
 
 
-if numba.config.DISABLE_JIT:  # type: ignore[attr-defined]
+def compiles() -> bool:
+    """Whether kernels are compiled at all; plain Python with `NUMBA_DISABLE_JIT=1`."""
+    return not numba.config.DISABLE_JIT  # type: ignore[attr-defined]
+
+
+if not compiles():
     np.seterr(over="ignore")  # the dice wrap around 2^64 on purpose; compiled code never warns
 
 

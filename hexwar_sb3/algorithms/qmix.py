@@ -53,7 +53,7 @@ class QMIX(PlainZipAlgorithm):
         loss: "huber" or "squared", of the mixed value.
         reward_scale: rewards are divided by it; values are logged in points all the same.
         exploration_initial_eps: probability of a random task at the start.
-        exploration_final_eps: and after `exploration_episodes`.
+        exploration_final_eps: and after `exploration_episodes`; pieces that stick to it explore several times as often.
         exploration_episodes: finished games until then; a saved count, so a resumed run goes on where it was.
         exploration_every: episodes between two steps down.
         stickiness: probability that an exploring piece keeps its random task at a decision.
@@ -102,7 +102,7 @@ class QMIX(PlainZipAlgorithm):
         loss: str = "huber",
         reward_scale: float = 50.0,
         exploration_initial_eps: float = 0.5,
-        exploration_final_eps: float = 0.05,
+        exploration_final_eps: float = 0.02,
         exploration_episodes: int = 4_000,
         exploration_every: int = 1,
         stickiness: float = 0.8,

@@ -40,10 +40,8 @@ class Style:
     drop_cells: int  # a soldier is set down before a point with known enemies within so many cells
     walk_ticks: int  # longest walk of a soldier to a point that it is to take
     keep_vehicles: int  # 1: a vehicle stays on an own point where no soldier is
-    carry_delay: float  # the same for a chariot with a soldier aboard
-    take_delay: tuple[
-        float, float, float, float
-    ]  # [piece type] ticks added to its way when a taker is chosen
+    take_delay: tuple[float, float, float, float]  # [type] ticks added to the way of a taker
+    carry_delay: float  # the same for a chariot with a soldier aboard, beside its type's
 
 
 ATTACK = Style(
@@ -69,8 +67,8 @@ ATTACK = Style(
     drop_cells=6,
     walk_ticks=450,
     keep_vehicles=0,
-    carry_delay=300.0,
     take_delay=(0.0, 0.0, 0.0, 0.0),
+    carry_delay=300.0,
 )
 
 DEFENCE = Style(
@@ -96,8 +94,8 @@ DEFENCE = Style(
     drop_cells=16,
     walk_ticks=450,
     keep_vehicles=0,
-    carry_delay=500.0,
     take_delay=(300.0, 150.0, 0.0, 0.0),
+    carry_delay=500.0,
 )
 
 
@@ -116,10 +114,10 @@ class BotConfig:
     safe_point_cells: int = 12  # an own point is safe with no known enemy so near
     second_share: float = 0.3  # of the second best shot that a post offers
     near_posts: int = 37  # cells around a piece that it looks at as posts
-    keeper_cells: int = 1
+    keeper_cells: int = 1  # from its point, at most, where a keeper is named
     ride_clear_cells: int = 12  # nobody rides with a known enemy so near
     walk_cells: int = 3  # a soldier walks so far; beyond it rides
-    ride_spare_ticks: int = 300
+    ride_spare_ticks: int = 300  # left of the game after a ride, or nobody boards
     hunt_ticks: float = 200.0  # ticks of travel that halve the worth of prey
     flight_cost: float = 0.05  # points a cell that the aerocraft flies
     endgame_tick: int = 1350  # from here on a player that is behind rushes the points

@@ -8,7 +8,15 @@ from typing import Literal
 
 import tyro
 
-from hexwar_sb3.commands.output import COUNTS, games_bar, panel_table, print_json, result_cells, table
+from hexwar_sb3.commands.output import (
+    COUNTS,
+    compile_first,
+    games_bar,
+    panel_table,
+    print_json,
+    result_cells,
+    table,
+)
 from hexwar_sb3.commands.settings import DecisionTicks, Games, Json, ScenarioName, Seed
 
 
@@ -32,6 +40,7 @@ class Evaluate:
         from hexwar_sb3.evaluation.panel import CAMPS, CONSTANT_PLANS, Terms, play_panel
         from hexwar_sb3.evaluation.provenance import provenance
 
+        compile_first()
         terms = Terms(
             scenario=self.scenario,
             games=self.games,
@@ -71,6 +80,7 @@ class Match:
         from hexwar_sb3.evaluation.panel import Terms
         from hexwar_sb3.evaluation.provenance import provenance
 
+        compile_first()
         terms = Terms(
             scenario=self.scenario, games=self.games, seed=self.seed, decision_ticks=self.decision_ticks
         )

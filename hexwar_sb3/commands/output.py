@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import json
+import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from functools import partial
 from typing import Any
 
 from tqdm import tqdm
@@ -17,6 +19,13 @@ def games_bar(games: int) -> Iterator[Callable[[int], object]]:
     """Show a bar of games played on a terminal; give what moves it on by a number of games."""
     with tqdm(total=games, unit="game", dynamic_ncols=True, leave=False, disable=None) as bar:
         yield bar.update
+
+
+def compile_first() -> None:
+    """Compile the game unless that was done before, and say so: it takes a while and shows nothing else."""
+    from hexwar_sb3.envs.prepare import prepare
+
+    prepare(partial(print, file=sys.stderr, flush=True))
 
 
 def print_json(values: Mapping[str, object]) -> None:

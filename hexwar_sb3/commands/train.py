@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import tyro
 
+from hexwar_sb3.commands.output import compile_first
 from hexwar_sb3.commands.run_folder import RunFolder
 from hexwar_sb3.commands.settings import Json, ScenarioName, Seed
 from hexwar_sb3.errors import ConfigError, FileFormatError
@@ -54,7 +55,7 @@ class Train:
     eval_freq: int = 24_000  # env steps between two evaluations
     eval_games: int = 64  # games an opponent and colour in each of them
     save_freq: int = 24_000  # env steps between two checkpoints
-    final_games: int = 500  # games an opponent and colour on the page at the end
+    final_games: int = 1000  # games an opponent and colour on the page at the end
 
     name: str = "commander"  # the run folder is RUNS/NAME_k
     runs: Path = Path("runs")  # folder of the run folders
@@ -67,6 +68,7 @@ class Train:
         from hexwar_sb3.commands.training import make_env, train
 
         self._check()
+        compile_first()
         if self.resume is not None:
             folder = RunFolder(self.resume)
             settings = settings_from(folder)

@@ -19,7 +19,7 @@ from hexwar_sb3.play.player import BotPlayer, Seat, make_mixture, make_player
 from hexwar_sb3.play.seeds import check_seed, check_whole, episode_draw, game_seed
 from hexwar_sb3.play.warm import WARM_TICKS, send_out
 from hexwar_sb3.rules.enums import Camp
-from hexwar_sb3.tasks.features import index
+from hexwar_sb3.tasks.features import BOUND, index
 from hexwar_sb3.tasks.records import MAX_TASKS
 
 Obs = dict[str, NDArray[Any]]
@@ -233,7 +233,7 @@ def observation_space(sight: Sight) -> spaces.Dict:
 
 
 def _box(key: str, sample: NDArray[Any]) -> spaces.Box:
-    low, high = (0, 1) if key in ("action_mask", "alive") else (-np.inf, np.inf)
+    low, high = (0, 1) if key in ("action_mask", "alive") else (-BOUND, BOUND)
     return spaces.Box(low, high, sample.shape, sample.dtype.type)
 
 

@@ -30,6 +30,7 @@ LEAST_WINS = {"random": 0.95, "nearest": 0.80, **dict.fromkeys(CONSTANT_PLANS, 0
 EVEN = (0.35, 0.65)  # MA1 against MA2
 COLOUR_SLACK = 0.02  # of a player against itself, around one half
 LEAST_TAKEN = 0.80  # of the games of MA1 against MA2 in which each control point is taken
+FIRST_GAMES = 10  # whose margins are kept, to see later that the players are still the same
 LEAST_USED = 0.01  # of a player's games in which it uses an action
 
 
@@ -103,6 +104,7 @@ def figures_of(red: str, blue: str, outcome: MatchGames) -> dict[str, Any]:
         "draws": float((outcome.win == 0.5).mean()),
         "mean_margin": float(outcome.margin.mean()),
         "points_held": outcome.points_held.mean(axis=0).tolist(),
+        "first_margins": outcome.margin[:FIRST_GAMES].tolist(),
         "taken": (outcome.owners != Camp.GREEN).mean(axis=0).tolist(),
     }
 

@@ -28,6 +28,7 @@ PER_WAY = 1 / 900  # ticks of travel
 PER_GAME = 1 / 1800  # ticks of a game; age of what was seen
 PER_AGE = 1 / 300  # ticks in which what was seen loses its worth (bots.md, section 1)
 MOST = 2.0  # scaled ways and ages are cut off here
+BOUND = 16.0  # of every number; steep maps and rich scenarios are cut off here
 BIT = 1.0
 
 _KINDS = len(PieceType)

@@ -15,6 +15,7 @@ from hexwar_sb3.kernels import Row, Rows, kernel
 from hexwar_sb3.maps.geometry import cells_apart, frame_cell, frame_direction
 from hexwar_sb3.rules.enums import Camp, PieceType
 from hexwar_sb3.tasks.features import (
+    BOUND,
     MOST,
     PER_BLOOD,
     PER_CELL,
@@ -58,6 +59,12 @@ def observe(
             at = _put_points(obs[n], at, i, game, pieces, memory, rules, cells, eta)
             _put_game(obs[n], at, camp, game, known_margin(game, pieces, memory, camp, rules))
         write_rows(i, game, pieces, memory, plans, rules, cells, los, eta, tasks[n], mask[n], rows[n])
+
+
+@kernel
+def bounded(value: float) -> float:
+    """The number, cut off at BOUND on both sides."""
+    return max(-BOUND, min(BOUND, value))
 
 
 @kernel
@@ -154,7 +161,7 @@ def _put_neighbours(out: Rows, at: int, piece: Row, rules: Row, cells: Rows) -> 
         if here.neighbour[d] != NO_CELL:
             there = cells[here.neighbour[d]]
             hop = hop_from(piece.kind, piece.cell, d, rules, cells)
-            out[at] = (int(there.level) - int(here.level)) * PER_LEVEL
+            out[at] = bounded((int(there.level) - int(here.level)) * PER_LEVEL)
             out[at + 1] = there.controllable
             out[at + 2] = there.passable
             out[at + 3] = there.paved
@@ -231,7 +238,7 @@ def _put_owner(out: Rows, at: int, camp: int, owner: int) -> int:
 @kernel
 def _put_game(out: Rows, at: int, camp: int, game: Row, points: int) -> int:
     out[at] = (int(game.end_tick) - int(game.tick)) * PER_GAME
-    out[at + 1] = points * PER_MARGIN
+    out[at + 1] = bounded(points * PER_MARGIN)
     out[at + 2] = 1.0 if camp == Camp.BLUE else 0.0
     return at + 3
 

@@ -13,6 +13,7 @@ from stable_baselines3.common.vec_env import VecMonitor
 from hexwar_sb3.engine.world import load_world
 from hexwar_sb3.envs.registration import make_vec_env
 from hexwar_sb3.envs.task_vec_env import TaskVecEnv
+from hexwar_sb3.maps.files import builtin_names
 
 Pick = Callable[[NDArray[Any], int], NDArray[np.int64]]
 Outcome = tuple[str, str, float, float, int]  # side, opponent, margin, return, points held
@@ -136,8 +137,9 @@ def test_half_precision_is_the_same_observation() -> None:
     assert np.allclose(full["obs"], half["obs"], atol=1e-2)
 
 
-def test_every_observation_lies_in_its_space(pick: Pick) -> None:
-    env = vec_env(1, decisions="event", privileged_state=True)
+@pytest.mark.parametrize("scenario", builtin_names())
+def test_every_observation_lies_in_its_space(pick: Pick, scenario: str) -> None:
+    env = vec_env(1, decisions="event", privileged_state=True, scenario=scenario)
     obs, done, step = cast("dict[str, NDArray[Any]]", env.reset()), False, 0
     while not done:
         assert env.observation_space.contains({key: value[0] for key, value in obs.items()})
