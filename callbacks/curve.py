@@ -7,6 +7,7 @@ from pathlib import Path
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.ticker import EngFormatter
 
 from hexwar_sb3.evaluation.history import History
 from hexwar_sb3.evaluation.intervals import Estimate
@@ -32,5 +33,6 @@ def _draw(axes: Axes, steps: list[int], estimates: list[Estimate], label: str) -
     axes.plot(steps, [estimate.value for estimate in estimates], marker="o", markersize=3)
     axes.fill_between(steps, [e.low for e in estimates], [e.high for e in estimates], alpha=0.25)
     axes.set_xlabel("env steps")
+    axes.xaxis.set_major_formatter(EngFormatter(sep=""))  # 250k
     axes.set_ylabel(label)
     axes.grid(alpha=0.3)

@@ -17,6 +17,7 @@ from stable_baselines3.common.type_aliases import GymEnv, MaybeCallback, Schedul
 from hexwar_sb3.algorithms.exploration import NO_TASK, Explorer, epsilon_at, random_tasks
 from hexwar_sb3.algorithms.game_log import GameLog
 from hexwar_sb3.algorithms.model_file import PlainZipAlgorithm
+from hexwar_sb3.algorithms.ranges import check_ranges
 from hexwar_sb3.algorithms.replay import Batch, StepReplay, situation_of
 from hexwar_sb3.algorithms.td_targets import qmix_target
 from hexwar_sb3.algorithms.td_update import TDLearner
@@ -153,6 +154,7 @@ class QMIX(PlainZipAlgorithm):
 
     def _setup_model(self) -> None:
         """Build networks and replay; SB3's own would store every observation twice."""
+        check_ranges(vars(self))
         self._setup_lr_schedule()
         self.set_random_seed(self.seed)
         self.rng = np.random.default_rng(self.seed)

@@ -11,7 +11,7 @@ from torch import Tensor, nn
 
 from hexwar_sb3.algorithms.replay import Batch, Situation
 from hexwar_sb3.algorithms.td_targets import lambda_returns
-from hexwar_sb3.errors import ConfigError, TrainingError, UnknownNameError
+from hexwar_sb3.errors import TrainingError, UnknownNameError
 from hexwar_sb3.policies.task_policy import TaskPolicy
 
 LOSSES = {"huber": nn.functional.smooth_l1_loss, "squared": nn.functional.mse_loss}
@@ -48,17 +48,9 @@ class TDLearner:
 
         Raises:
             UnknownNameError: there is no such loss.
-            ConfigError: a number is out of its range.
         """
         if self.loss not in LOSSES:
             raise UnknownNameError("loss", self.loss, LOSSES)
-        if self.reward_scale <= 0 or self.window < 1 or not 0.0 < self.tau <= 1.0:
-            raise ConfigError(
-                "reward_scale must be above 0, n_steps at least 1, tau in (0, 1];"
-                f" got {self.reward_scale}, {self.window}, {self.tau}"
-            )
-        if self.td_lambda is not None and not 0.0 <= self.td_lambda <= 1.0:
-            raise ConfigError(f"td_lambda must be in [0, 1], got {self.td_lambda}")
 
     def q_total(self, batch: Batch) -> Float[Tensor, "batch value"]:
         """Mixed value of the tasks that were played (a value a piece without a mixer), in scaled points."""

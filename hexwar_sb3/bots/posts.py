@@ -101,7 +101,8 @@ def post_score(
     ticks = travel_ticks(piece.kind, piece.cell, cell, rules, cells, eta)
     score = lasting_worth(style, piece.kind, row, cell, game.point_cell[k], rules, cells, los, atlas)
     score -= ticks / style.eta_ticks
-    if score + style.gain_weight * atlas.best_gain[piece.kind] <= at_least:
+    sure = 1.0 / (1.0 + ticks / style.patience_ticks)
+    if score + sure * style.gain_weight * atlas.best_gain[piece.kind] <= at_least:
         return WORST
     if ticks >= UNREACHABLE or is_taken(i, cell, camp, game, pieces, brain):
         return WORST
@@ -110,8 +111,9 @@ def post_score(
     gain = gain_at(piece.kind, row, cell, camp, pieces, memory, brain, rules, cells, los, atlas)
     if piece.kind == PieceType.CHARIOT:
         gain = max(gain, guided_gain(i, row, cell, camp, game, pieces, memory, brain, cells, atlas))
+    if score + sure * style.gain_weight * gain <= at_least:
+        return WORST
     threat = threat_at(piece.kind, cell, camp, pieces, memory, brain, rules, cells, los, atlas)
-    sure = 1.0 / (1.0 + ticks / style.patience_ticks)
     return score + sure * (style.gain_weight * gain - style.threat_weight * threat)
 
 
@@ -121,7 +123,7 @@ def lasting_worth(
 ) -> float:  # fmt: skip
     """What a cell is worth whoever is known: cover, and a duel with a tank that stands on the point."""
     worth = style.cover_weight * cells[cell].concealed
-    if not line_of_sight(los, 0, cell, point):
+    if not line_of_sight(los, 0, point, cell):  # a row of the matrix for all cells that are looked at
         return worth
     worth += style.reach_weight * danger_of(row, cell, PieceType.TANK, point, 0, cells, atlas)
     if cells_apart(cells, cell, point) <= exposed_reach(PieceType.TANK, kind, cell, rules, cells):

@@ -19,30 +19,23 @@ def scout(
     """Cell for the aerocraft: around its prey if there is one, else above the point that it works for."""
     prey = air_prey(i, camp, game, pieces, memory, brain, rules, cells, atlas)
     around = int(memory[camp, prey].cell) if prey != NO_PIECE else picket(i, camp, game, pieces, brain)
+    kind = PieceType.AEROCRAFT
     best, best_score = int(pieces[i].cell), -1e9
     for n in range(atlas.around.shape[0]):
         cell = cell_at(around, atlas.around[n, 0], atlas.around[n, 1], camp, cells, atlas)
         if cell == NO_CELL:
             continue
-        score = style.gain_weight * gain_at(
-            PieceType.AEROCRAFT,
-            PieceType.AEROCRAFT,
-            cell,
-            camp,
-            pieces,
-            memory,
-            brain,
-            rules,
-            cells,
-            los,
-            atlas,
-        )
-        score -= style.threat_weight * threat_at(
-            PieceType.AEROCRAFT, cell, camp, pieces, memory, brain, rules, cells, los, atlas
-        )
-        score -= cells_apart(cells, cell, pieces[i].cell) * atlas.config.flight_cost
+        far = cells_apart(cells, cell, pieces[i].cell) * atlas.config.flight_cost
         if prey == NO_PIECE:
-            score -= cells_apart(cells, cell, around)
+            far += cells_apart(cells, cell, around)
+        if style.gain_weight * atlas.best_gain[kind] - far <= best_score:
+            continue
+        gain = gain_at(kind, kind, cell, camp, pieces, memory, brain, rules, cells, los, atlas)
+        score = style.gain_weight * gain - far
+        if score <= best_score:
+            continue
+        threat = threat_at(kind, cell, camp, pieces, memory, brain, rules, cells, los, atlas)
+        score -= style.threat_weight * threat
         if score > best_score:
             best, best_score = cell, score
     return best

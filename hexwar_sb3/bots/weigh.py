@@ -106,7 +106,7 @@ def gain_at(
             continue
         shelter = int(cells[known.cell].concealed) + int(known.hidden)
         value = trust * danger_of(row, cell, target, known.cell, shelter, cells, atlas)
-        if value > second and has_line_from(kind, cell, target, known.cell, los):
+        if value > second and has_line_from(target, known.cell, kind, cell, los):
             if value > best:
                 best, second = value, best
             else:

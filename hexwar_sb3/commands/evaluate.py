@@ -40,7 +40,7 @@ class Evaluate:
         from hexwar_sb3.evaluation.panel import CAMPS, CONSTANT_PLANS, Terms, play_panel
         from hexwar_sb3.evaluation.provenance import provenance
 
-        compile_first()
+        compile_first(self.player, *self.opponents, scenario=self.scenario)
         terms = Terms(
             scenario=self.scenario,
             games=self.games,
@@ -80,7 +80,7 @@ class Match:
         from hexwar_sb3.evaluation.panel import Terms
         from hexwar_sb3.evaluation.provenance import provenance
 
-        compile_first()
+        compile_first(self.red, self.blue, scenario=self.scenario)
         terms = Terms(
             scenario=self.scenario, games=self.games, seed=self.seed, decision_ticks=self.decision_ticks
         )

@@ -21,10 +21,20 @@ def games_bar(games: int) -> Iterator[Callable[[int], object]]:
         yield bar.update
 
 
-def compile_first() -> None:
-    """Compile the game unless that was done before, and say so: it takes a while and shows nothing else."""
-    from hexwar_sb3.envs.prepare import prepare
+def compile_first(*players: str, scenario: str = "plain") -> None:
+    """Compile the game unless that was done before, and say so: it takes a while and shows nothing else.
 
+    Args:
+        players: names or folders that are to play; a wrong one is met before the wait.
+        scenario: likewise.
+    """
+    from hexwar_sb3.engine.world import load_world
+    from hexwar_sb3.envs.prepare import prepare
+    from hexwar_sb3.play.player import make_player
+
+    load_world(scenario)
+    for player in players:
+        make_player(player)
     prepare(partial(print, file=sys.stderr, flush=True))
 
 

@@ -68,13 +68,14 @@ class Train:
         from hexwar_sb3.commands.training import make_env, train
 
         self._check()
-        compile_first()
         if self.resume is not None:
             folder = RunFolder(self.resume)
             settings = settings_from(folder)
             settings = replace(settings, progress=self.progress, json=self.json, resume=self.resume)
+            compile_first()
             return train(settings, make_env(settings), folder)
-        env = make_env(self)  # a mistake in the settings shows before there is a folder
+        env = make_env(self)  # a mistake in the settings shows before anything is compiled or written
+        compile_first()
         folder = RunFolder.new(self.runs, self.name)
         folder.write_config(self, " ".join(["hexwar", *sys.argv[1:]]))
         return train(self, env, folder)

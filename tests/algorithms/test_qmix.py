@@ -79,10 +79,10 @@ def test_updates_may_follow_vector_steps_instead(make_model: MakeModel) -> None:
 def test_epsilon_follows_the_number_of_games_and_survives_a_second_learn(make_model: MakeModel) -> None:
     """SB3's progress would let it jump up again."""
     model = make_model(exploration_episodes=48).learn(160)
-    assert model.exploration_rate == pytest.approx(0.5 - 0.45 / 2)
+    assert model.exploration_rate == pytest.approx(0.5 - 0.48 / 2)
 
     model.learn(80, reset_num_timesteps=False)
-    assert model.exploration_rate == pytest.approx(0.5 - 0.45 * 40 / 48)
+    assert model.exploration_rate == pytest.approx(0.5 - 0.48 * 40 / 48)
 
 
 def test_a_learn_that_starts_anew_ends_the_running_games_in_the_replay(make_model: MakeModel) -> None:
@@ -197,7 +197,13 @@ def test_a_loss_that_is_not_finite_stops_before_the_weights_are_touched(make_mod
         ({"mixer": "qmax"}, "unknown mixer 'qmax'; did you mean 'qmix'?"),
         ({"loss": "hubert"}, "did you mean 'huber'?"),
         ({"reward_scale": 0.0}, "reward_scale must be above 0"),
-        ({"n_steps": 0}, "n_steps at least 1"),
+        ({"n_steps": 0}, "n_steps must be at least 1, got 0"),
+        ({"gamma": 2.0}, r"gamma must be in \[0, 1\], got 2.0"),
+        ({"gamma": float("nan")}, "gamma must be in"),
+        ({"tau": 0.0}, r"tau must be in \(0, 1\], got 0.0"),
+        ({"learning_rate": -1e-3}, "learning_rate must be above 0 and finite, got -0.001"),
+        ({"batch_size": 0}, "batch_size must be at least 1"),
+        ({"exploration_final_eps": 1.5}, "exploration_final_eps must be in"),
         ({"td_lambda": 2.0}, r"td_lambda must be in \[0, 1\], got 2.0"),
         ({"train_freq": (1, "game")}, "train_freq must be"),
         ({"stickiness": -1.0}, r"stickiness must be in \[0, 1\)"),
