@@ -61,9 +61,19 @@ def load_checkpoint(path: str | Path, env: VecEnv, algorithm: type[QMIX] = QMIX,
 
     Raises:
         CheckpointError: it is broken, not a checkpoint, or of another number of games.
-        ConfigError: its sizes are not the env's.
+        ConfigError: its sizes are not the env's, or its games are of another scenario, other rules or bots.
     """
     arrays = _read(Path(path))
+    try:
+        return _go_on(arrays, path, env, algorithm, kwargs)
+    except KeyError as error:
+        raise CheckpointError(path, "arrays", found=f"no {error}", expected="all of a checkpoint") from error
+
+
+def _go_on(
+    arrays: Arrays, path: str | Path, env: VecEnv, algorithm: type[QMIX], kwargs: dict[str, Any]
+) -> QMIX:
+    """Model and env as they were; KeyError if an array is missing."""
     if len(arrays["exploring"]) != env.num_envs:
         found = f"{len(arrays['exploring'])} games"
         raise CheckpointError(path, "env", found=found, expected=f"{env.num_envs}, as the env has")

@@ -40,7 +40,6 @@ class Evaluate:
         from hexwar_sb3.evaluation.panel import CAMPS, CONSTANT_PLANS, Terms, play_panel
         from hexwar_sb3.evaluation.provenance import provenance
 
-        compile_first(self.player, *self.opponents, scenario=self.scenario)
         terms = Terms(
             scenario=self.scenario,
             games=self.games,
@@ -48,6 +47,7 @@ class Evaluate:
             decision_ticks=self.decision_ticks,
             camps=CAMPS if self.side == "both" else (self.side,),
         )
+        compile_first(self.player, *self.opponents, scenario=self.scenario)
         players = [self.player, *(CONSTANT_PLANS if self.constant_plans else ())]
         with games_bar(len(players) * len(self.opponents) * len(terms.camps) * self.games) as progress:
             panels = [
@@ -80,10 +80,10 @@ class Match:
         from hexwar_sb3.evaluation.panel import Terms
         from hexwar_sb3.evaluation.provenance import provenance
 
-        compile_first(self.red, self.blue, scenario=self.scenario)
         terms = Terms(
             scenario=self.scenario, games=self.games, seed=self.seed, decision_ticks=self.decision_ticks
         )
+        compile_first(self.red, self.blue, scenario=self.scenario)
         match = terms.play(self.red, self.blue)
         if self.record is not None:
             terms.record(self.red, self.blue).save(self.record)

@@ -9,6 +9,7 @@ import numpy as np
 from gymnasium import spaces
 from numpy.typing import NDArray
 
+from hexwar_sb3.bots.config import bots_hash
 from hexwar_sb3.engine.roster import camp_name, enemy_of, parse_camp
 from hexwar_sb3.engine.world import load_world
 from hexwar_sb3.envs.settings import TaskSettings
@@ -138,10 +139,17 @@ class TaskGames:
     def snapshot(self) -> Snapshot:
         """Everything that changes in play, as arrays without objects."""
         counters = np.array([self._seed, self._next_episode], np.int64)
-        return {**self.arena.snapshot(), **self._slots(), "counters": counters}
+        return {**self.arena.snapshot(), **self._slots(), "counters": counters, "origin": self._origin()}
 
     def restore(self, snapshot: Snapshot) -> Obs:
-        """Go on where `snapshot` was taken, in an env of the same settings; the observation there."""
+        """Go on where `snapshot` was taken, in an env of the same settings; the observation there.
+
+        Raises:
+            ConfigError: it was taken on another scenario, under other rules or with other bots.
+        """
+        for mine, its in zip(self._origin(), snapshot["origin"], strict=True):
+            if mine != its:
+                raise ConfigError(f"these games were saved with {its}, this env has {mine}")
         for name, array in self._slots().items():
             array[...] = snapshot[name]
         self._seed, self._next_episode = (int(n) for n in snapshot["counters"])
@@ -150,6 +158,11 @@ class TaskGames:
                 self.arena.sit(int(b), camp, seat)
         self.arena.restore(snapshot)
         return self.look(self.all)
+
+    def _origin(self) -> NDArray[np.str_]:
+        world = self.arena.world
+        names = (f"rules {world.ruleset.hash}", f"scenario {world.scenario.hash}", f"bots {bots_hash()}")
+        return np.array(names)
 
     def _slots(self) -> Snapshot:
         return {

@@ -47,8 +47,7 @@ def play_match(
     Example:
         >>> play_match("MA1", "MA2", games=100).win_rate
     """
-    if games < 1:
-        raise ConfigError(f"games must be at least 1, got {games}")
+    check_games(games)
     outcome = play_games(
         red, blue, games, scenario, seed_for(purpose, seed), decision_ticks=decision_ticks, progress=progress
     )
@@ -60,6 +59,12 @@ def play_match(
         red=camp_result(outcome, Camp.RED),
         blue=camp_result(outcome, Camp.BLUE),
     )
+
+
+def check_games(games: int) -> None:
+    """Raise ConfigError unless there is a game to play."""
+    if games < 1:
+        raise ConfigError(f"games must be at least 1, got {games}")
 
 
 def camp_result(outcome: MatchGames, camp: Camp) -> CampResult:

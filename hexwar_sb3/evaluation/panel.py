@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from hexwar_sb3.engine.replay import Replay
-from hexwar_sb3.evaluation.matches import play_match
+from hexwar_sb3.evaluation.matches import check_games, play_match
 from hexwar_sb3.evaluation.results import CampResult, MatchResult
 from hexwar_sb3.evaluation.seeds import Purpose, seed_for
 from hexwar_sb3.play.recording import record_game
@@ -30,6 +30,15 @@ class Terms:
     purpose: Purpose = Purpose.REPORT
     decision_ticks: int = DECISION_TICKS  # between two decisions of a policy
     camps: tuple[str, ...] = CAMPS  # that the player takes
+
+    def __post_init__(self) -> None:
+        """Check the numbers.
+
+        Raises:
+            ConfigError: one is out of its range.
+        """
+        check_games(self.games)
+        seed_for(self.purpose, self.seed)
 
     def play(self, red: object, blue: object) -> MatchResult:
         """Play one cell."""

@@ -132,7 +132,7 @@ class FrozenPolicy:
 
         Args:
             folder: with config.json and weights.safetensors.
-            rules: hash of the rules it is to play by; None takes any.
+            rules: hash of the rules it is to play by; None takes any, as does a policy that names none.
 
         Raises:
             PolicyFileError: a file is missing, too large or broken, its numbers do not fit together,
@@ -141,7 +141,7 @@ class FrozenPolicy:
         path = Path(folder) / CONFIG_FILE
         config = _read_config(path)
         trained = config["about"].get("rules")
-        if rules is not None and trained != rules:
+        if rules is not None and trained not in (None, rules):
             raise PolicyFileError(
                 path, "about.rules", found=f"{trained!r}", expected=f"{rules!r}, the rules of this game"
             )

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from hexwar_sb3.bots.registry import BOTS
 from hexwar_sb3.errors import ConfigError, UnknownNameError
 from hexwar_sb3.play.frozen import FrozenPolicy
+from hexwar_sb3.rules.ruleset import default_rules
 
 Observation: TypeAlias = Mapping[str, NDArray[Any]]
 Actions: TypeAlias = NDArray[np.int64]
@@ -68,6 +69,7 @@ def make_player(player: object) -> Seat:
 
     Raises:
         UnknownNameError: neither a bot nor a folder has this name.
+        PolicyFileError: the folder is broken, or was trained under other rules.
         ConfigError: the object cannot play.
 
     Example:
@@ -89,7 +91,7 @@ def _named_player(name: str | Path) -> Seat:
     folder = Path(name)
     for place in (folder, folder / "policy"):
         if (place / POLICY_FILE).is_file():
-            return FrozenPolicy.load(place)
+            return FrozenPolicy.load(place, rules=default_rules().hash)
     raise UnknownNameError("player", str(name), BOTS)
 
 

@@ -97,3 +97,15 @@ def test_other_arrays_are_refused(make_env: MakeEnv, tmp_path: Path) -> None:
 
     with pytest.raises(CheckpointError, match="found None; expected hexwar checkpoint 1"):
         load_checkpoint(tmp_path / "other.npz", make_env())
+
+
+def test_a_checkpoint_without_one_of_its_arrays_is_refused(
+    make_model: MakeModel, make_env: MakeEnv, tmp_path: Path
+) -> None:
+    path = tmp_path / "checkpoint.npz"
+    save_checkpoint(make_model().learn(40), path)
+    with np.load(path) as file:
+        np.savez(path, **{name: file[name] for name in file.files if name != "replay/reward"})
+
+    with pytest.raises(CheckpointError, match="arrays: found no 'reward'; expected all of a checkpoint"):
+        load_checkpoint(path, make_env())

@@ -13,6 +13,7 @@ from stable_baselines3.common.vec_env import VecMonitor
 from hexwar_sb3.engine.world import load_world
 from hexwar_sb3.envs.registration import make_vec_env
 from hexwar_sb3.envs.task_vec_env import TaskVecEnv
+from hexwar_sb3.errors import ConfigError
 from hexwar_sb3.maps.files import builtin_names
 
 Pick = Callable[[NDArray[Any], int], NDArray[np.int64]]
@@ -180,3 +181,14 @@ def test_a_demo_bot_plays_the_learners_seat_and_its_tasks_are_told() -> None:
         moved = moved or told.any()
         assert reward == other_reward
     assert moved
+
+
+@pytest.mark.parametrize("part", ["rules", "scenario", "bots"])
+def test_games_that_were_saved_elsewhere_are_refused(part: str) -> None:
+    env = native(vec_env(1))
+    snapshot = env.snapshot()
+    snapshot["origin"] = np.array(
+        [f"{part} 0123" if name.startswith(part) else name for name in snapshot["origin"].tolist()]
+    )
+    with pytest.raises(ConfigError, match=f"saved with {part} 0123, this env has {part} "):
+        env.restore(snapshot)

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from hexwar_sb3.errors import ConfigError, PolicyFileError
 from hexwar_sb3.play.frozen import FrozenPolicy
+from hexwar_sb3.play.player import make_player
 from hexwar_sb3.policies.task_policy import TaskPolicy
 
 PIECES, TASKS, OBS, TASK = 3, 6, 9, 4
@@ -200,3 +201,15 @@ def test_a_pickle_in_place_of_the_weights_is_not_run(folder: Path) -> None:
 
     with pytest.raises(PolicyFileError, match="expected safetensors"):
         FrozenPolicy.load(folder)
+
+
+def test_a_policy_trained_under_other_rules_is_not_seated(folder: Path) -> None:
+    with pytest.raises(
+        PolicyFileError, match=r"config.json: about.rules: found 'abc'; expected '[0-9a-f]{64}'"
+    ):
+        make_player(folder)
+
+
+def test_a_policy_that_names_no_rules_may_play_by_any(policy: TaskPolicy, tmp_path: Path) -> None:
+    policy.freeze().save(tmp_path / "unnamed")
+    assert isinstance(make_player(tmp_path / "unnamed"), FrozenPolicy)
