@@ -8,6 +8,8 @@ from time import process_time
 
 import numpy as np
 
+from hexwar_sb3.bots.act import think
+from hexwar_sb3.bots.registry import Bot
 from hexwar_sb3.engine.batch import Engine
 from hexwar_sb3.engine.pieces import has_path
 from hexwar_sb3.engine.step import advance_by_ticks
@@ -18,6 +20,7 @@ from hexwar_sb3.maps.geometry import NO_DIRECTION
 from hexwar_sb3.play.arena import Arena, Setup
 from hexwar_sb3.play.look import Sight
 from hexwar_sb3.play.match import play_games
+from hexwar_sb3.play.player import make_player
 from hexwar_sb3.rules.enums import Action, Camp
 from hexwar_sb3.tasks.travel import next_direction
 
@@ -26,6 +29,7 @@ Round = Callable[[int], tuple[float, float]]  # number of the round -> amount do
 GAMES = 64  # of an engine or bot round
 LEG_TICKS = 600  # between two goals of a piece: about the way to a control point
 ENV_GAMES = 16  # of an env round
+THOUGHTS = 50  # about the same position
 ENV_STEPS = 480  # env steps of a round, each of all games
 
 
@@ -37,12 +41,14 @@ def game_figures(scenario: str, rounds: int) -> dict[str, float | None]:
     tasks = best(lambda k: tasks_round(world, k), rounds)
     bots = best(lambda k: bots_round(scenario, k), rounds)
     return {
+        "engine_leg_ticks": LEG_TICKS,
         "engine_ticks_per_s": engine,
         "engine_piece_ticks_per_s": engine * world.n_pieces,
         "engine_tick_by_tick_ticks_per_s": tick_by_tick,
         "tasks_ticks_per_s": tasks,
         "bots_ticks_per_s": bots,
         "bots_piece_ticks_per_s": bots * world.n_pieces,
+        "bot_thought_us": thought_us(world),
         "task_env_steps_per_s": best(lambda k: env_round(scenario, k), rounds),
         "task_env_net_steps_per_s": None,  # needs a network as lower policy
     }
@@ -86,6 +92,46 @@ def bots_round(scenario: str, seed: int) -> tuple[float, float]:
     start = process_time()
     outcome = play_games("MA1", "MA2", GAMES, scenario, seed)
     return float(outcome.ticks.sum()), process_time() - start
+
+
+def thought_us(world: World) -> float:
+    """Play MA1 against MA2, and measure the median process time of a regular thought, in microseconds."""
+    arena, first = Arena(world, 1, Setup()), np.array([0])
+    arena.begin(0, 0, make_player("MA1"), make_player("MA2"))
+    arena.drives.asked[0] = 1  # stops at every regular thought
+    repeat_thought(1, Camp.RED, Bot.ATTACK, *_thinker(arena))  # compiles
+    times = []
+    while not arena.over(first)[0]:
+        for camp, bot in ((Camp.RED, Bot.ATTACK), (Camp.BLUE, Bot.DEFENCE)):
+            before = arena.snapshot()
+            start = process_time()
+            repeat_thought(THOUGHTS, camp, bot, *_thinker(arena))
+            times.append((process_time() - start) / THOUGHTS * 1e6)
+            arena.restore(before)
+        arena.advance(first)
+    return float(np.median(times))
+
+
+def _thinker(arena: Arena) -> tuple[Rows, ...]:
+    state, world = arena.state, arena.world
+    return (
+        state.games[0], state.pieces[0], state.memory[0], state.rounds[0], arena.plans[0], arena.brains[0],
+        world.rules[0], world.cells, world.los, world.eta, arena.atlas[0],
+    )  # fmt: skip
+
+
+@kernel
+def repeat_thought(
+    times: int, camp: int, bot: int, game: Row, pieces: Rows, memory: Rows, rounds: Rows, plans: Rows,
+    brains: Rows, rules: Row, cells: Rows, los: Rows, eta: Rows, atlas: Row,
+) -> None:  # fmt: skip
+    """Let a full player think about the same position again and again."""
+    for _ in range(times):
+        brains[camp].thoughts += 1
+        think(
+            atlas.style[bot], camp, game, pieces, memory, rounds, plans, brains[camp],
+            rules, cells, los, eta, atlas,
+        )  # fmt: skip
 
 
 def routes_round(scenario: str, seed: int, *, by_ticks: bool = False) -> tuple[float, float]:
