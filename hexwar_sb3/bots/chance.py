@@ -31,16 +31,9 @@ def draw(count: int, camp: int, game: Row, brain: Row) -> int:
 
 @kernel
 def act_at_random(
-    camp: int,
-    game: Row,
-    pieces: Rows,
-    orders: Rows,
-    plans: Rows,
-    brain: Row,
-    rules: Row,
-    cells: Rows,
+    camp: int, game: Row, pieces: Rows, orders: Rows, plans: Rows, brain: Row, rules: Row, cells: Rows,
     config: Row,
-) -> None:
+) -> None:  # fmt: skip
     """Give every piece a random legal order, if one is found in a few tries."""
     for i in range(first_piece(camp, game), end_piece(camp, game)):
         if not on_map(pieces[i]):
@@ -68,16 +61,9 @@ def fill_order(
     order.path_len = 0
     if order.kind == Action.MOVE:
         wander(
-            i,
-            1 + draw(config.random_hops, camp, game, brain),
-            camp,
-            game,
-            pieces,
-            orders,
-            brain,
-            rules,
+            i, 1 + draw(config.random_hops, camp, game, brain), camp, game, pieces, orders, brain, rules,
             cells,
-        )
+        )  # fmt: skip
     elif order.kind == Action.GET_OFF:
         order.target = pieces[i].passenger
 

@@ -69,21 +69,9 @@ def work(
     slot = i - first_piece(camp, game)
     if pieces[i].passenger != NO_PIECE:
         carry(
-            style,
-            i,
-            brain.point[slot],
-            camp,
-            game,
-            pieces,
-            memory,
-            plans,
-            brain,
-            rules,
-            cells,
-            los,
-            eta,
+            style, i, brain.point[slot], camp, game, pieces, memory, plans, brain, rules, cells, los, eta,
             atlas,
-        )
+        )  # fmt: skip
         return
     for p in range(game.n_points):
         if brain.keeper[p] == slot:

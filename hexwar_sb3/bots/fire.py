@@ -18,17 +18,9 @@ from hexwar_sb3.tasks.shots import best_guided, best_shot, expect_loss
 
 @kernel
 def guide_missiles(
-    style: Row,
-    camp: int,
-    game: Row,
-    pieces: Rows,
-    memory: Rows,
-    orders: Rows,
-    brain: Row,
-    rules: Row,
-    cells: Rows,
-    config: Row,
-) -> None:
+    style: Row, camp: int, game: Row, pieces: Rows, memory: Rows, orders: Rows, brain: Row, rules: Row,
+    cells: Rows, config: Row,
+) -> None:  # fmt: skip
     """Pair guiders (aerocraft first) with idle chariots, unless a direct shot is about as good."""
     first, end = first_piece(camp, game), end_piece(camp, game)
     taken = 0
@@ -51,16 +43,9 @@ def guide_missiles(
 
 @kernel
 def own_shots_do(
-    i: int,
-    chariot: int,
-    value: float,
-    brain: Row,
-    game: Row,
-    pieces: Rows,
-    memory: Rows,
-    rules: Row,
+    i: int, chariot: int, value: float, brain: Row, game: Row, pieces: Rows, memory: Rows, rules: Row,
     cells: Rows,
-) -> bool:
+) -> bool:  # fmt: skip
     """The chariot's own shot, or the guider's, is worth at least so much."""
     direct, _, _ = best_shot(chariot, NO_PIECE, False, brain.allotted, game, pieces, memory, rules, cells)
     if direct >= value:
@@ -94,17 +79,9 @@ def may_lob(piece: Row, rules: Row) -> bool:
 
 @kernel
 def best_aim(
-    style: Row,
-    i: int,
-    camp: int,
-    game: Row,
-    pieces: Rows,
-    memory: Rows,
-    rounds: Rows,
-    rules: Row,
-    cells: Rows,
-    config: Row,
-) -> int:
+    style: Row, i: int, camp: int, game: Row, pieces: Rows, memory: Rows, rounds: Rows, rules: Row,
+    cells: Rows, config: Row,
+) -> int:  # fmt: skip
     """Cell of the enemy that a round of chariot i is worth most on; NO_CELL: none is worth it."""
     best, aim = float(style.mortar_value), NO_CELL
     for j in range(first_piece(1 - camp, game), end_piece(1 - camp, game)):

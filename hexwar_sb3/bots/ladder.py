@@ -17,17 +17,9 @@ from hexwar_sb3.tasks.travel import UNREACHABLE, travel_ticks
 
 @kernel
 def climb(
-    bot: int,
-    camp: int,
-    game: Row,
-    pieces: Rows,
-    memory: Rows,
-    plans: Rows,
-    rules: Row,
-    cells: Rows,
-    eta: Rows,
-    atlas: Row,
-) -> None:
+    bot: int, camp: int, game: Row, pieces: Rows, memory: Rows, plans: Rows, rules: Row, cells: Rows,
+    eta: Rows, atlas: Row,
+) -> None:  # fmt: skip
     """Give every piece of a simple player its task."""
     first = first_piece(camp, game)
     for i in range(first, end_piece(camp, game)):

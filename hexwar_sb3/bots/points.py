@@ -61,16 +61,9 @@ def move_idle(
 
 @kernel
 def choose_people(
-    style: Row,
-    camp: int,
-    game: Row,
-    pieces: Rows,
-    brain: Row,
-    rules: Row,
-    cells: Rows,
-    eta: Rows,
+    style: Row, camp: int, game: Row, pieces: Rows, brain: Row, rules: Row, cells: Rows, eta: Rows,
     config: Row,
-) -> None:
+) -> None:  # fmt: skip
     """Name the taker of every foreign point and the keeper of every own one."""
     for k in range(game.n_points):
         brain.taker[k], brain.keeper[k] = NOBODY, NOBODY
@@ -127,16 +120,9 @@ def best_taker(
 
 @kernel
 def may_enter(
-    style: Row,
-    k: int,
-    camp: int,
-    game: Row,
-    pieces: Rows,
-    memory: Rows,
-    brain: Row,
-    rules: Row,
+    style: Row, k: int, camp: int, game: Row, pieces: Rows, memory: Rows, brain: Row, rules: Row,
     cells: Rows,
-) -> bool:
+) -> bool:  # fmt: skip
     """The camp is strong enough around a foreign point to go in, or it is time to."""
     if brain.rush:
         return True

@@ -74,17 +74,9 @@ def ride(
 
 @kernel
 def wants_ride(
-    s: int,
-    camp: int,
-    game: Row,
-    pieces: Rows,
-    memory: Rows,
-    brain: Row,
-    rules: Row,
-    cells: Rows,
-    eta: Rows,
-    config: Row,
-) -> bool:
+    s: int, camp: int, game: Row, pieces: Rows, memory: Rows, brain: Row, rules: Row, cells: Rows,
+    eta: Rows, config: Row,
+) -> bool:  # fmt: skip
     """Soldier s has nobody to watch here, and work that is too far to walk to; its chariot is free."""
     soldier = pieces[s]
     if soldier.kind != PieceType.SOLDIER or not on_map(soldier) or soldier.suppressed:

@@ -118,16 +118,9 @@ def _place_for_target(
 
 @kernel
 def _best_on_the_way(
-    i: int,
-    here: float,
-    pieces: Rows,
-    memory: Rows,
-    plans: Rows,
-    rules: Row,
-    cells: Rows,
-    los: Rows,
+    i: int, here: float, pieces: Rows, memory: Rows, plans: Rows, rules: Row, cells: Rows, los: Rows,
     eta: Rows,
-) -> int:
+) -> int:  # fmt: skip
     """Walk the way in mind and keep the best place; shadows compare only the first few."""
     piece = pieces[i]
     plan = plans[i]

@@ -156,15 +156,8 @@ def own_power(cell: int, within: int, camp: int, game: Row, pieces: Rows, rules:
 
 @kernel
 def known_power(
-    cell: int,
-    within: int,
-    camp: int,
-    pieces: Rows,
-    memory: Rows,
-    brain: Row,
-    rules: Row,
-    cells: Rows,
-) -> float:
+    cell: int, within: int, camp: int, pieces: Rows, memory: Rows, brain: Row, rules: Row, cells: Rows,
+) -> float:  # fmt: skip
     """Power of known enemies within some cells of a cell, weighted by trust."""
     total = 0.0
     for n in range(brain.n_foes):

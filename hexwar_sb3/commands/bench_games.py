@@ -177,33 +177,15 @@ def order_walks(
 
 @kernel
 def make_every_step(
-    until: Rows,
-    games: Rows,
-    pieces: Rows,
-    memory: Rows,
-    paths: Rows,
-    rounds: Rows,
-    orders: Rows,
-    log: Rows,
-    rules: Row,
-    cells: Rows,
-    los: Rows,
-) -> None:
+    until: Rows, games: Rows, pieces: Rows, memory: Rows, paths: Rows, rounds: Rows, orders: Rows,
+    log: Rows, rules: Row, cells: Rows, los: Rows,
+) -> None:  # fmt: skip
     """Play game b to tick until[b] step by step, for all b."""
     for b in range(games.size):
         advance_by_ticks(
-            until[b],
-            games[b],
-            pieces[b],
-            memory[b],
-            paths[b],
-            rounds[b],
-            orders[b],
-            log[b],
-            rules,
-            cells,
-            los,
-        )
+            until[b], games[b], pieces[b], memory[b], paths[b], rounds[b], orders[b], log[b], rules,
+            cells, los,
+        )  # fmt: skip
 
 
 def env_round(scenario: str, seed: int) -> tuple[float, float]:

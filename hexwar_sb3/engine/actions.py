@@ -66,18 +66,9 @@ def fire_orders(game: Row, pieces: Rows, orders: Rows, log: Rows, rules: Row, ce
             resolve_shot(Event.SHOT, i, i, order.target, order.weapon, False, game, pieces, log, rules, cells)
         elif order.kind == Action.GUIDE_SHOOT:
             resolve_shot(
-                Event.GUIDED,
-                i,
-                order.partner,
-                order.target,
-                Weapon.HEAVY,
-                False,
-                game,
-                pieces,
-                log,
-                rules,
-                cells,
-            )
+                Event.GUIDED, i, order.partner, order.target, Weapon.HEAVY, False, game, pieces, log,
+                rules, cells,
+            )  # fmt: skip
 
 
 @kernel

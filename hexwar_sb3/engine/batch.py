@@ -88,30 +88,12 @@ class Engine:
 
 @kernel
 def advance_all(
-    until: Rows,
-    games: Rows,
-    pieces: Rows,
-    memory: Rows,
-    paths: Rows,
-    rounds: Rows,
-    orders: Rows,
-    log: Rows,
-    rules: Row,
-    cells: Rows,
-    los: Rows,
-) -> None:
+    until: Rows, games: Rows, pieces: Rows, memory: Rows, paths: Rows, rounds: Rows, orders: Rows,
+    log: Rows, rules: Row, cells: Rows, los: Rows,
+) -> None:  # fmt: skip
     """Play game b to the state of tick until[b], for all b."""
     for b in range(games.size):
         advance(
-            until[b],
-            games[b],
-            pieces[b],
-            memory[b],
-            paths[b],
-            rounds[b],
-            orders[b],
-            log[b],
-            rules,
-            cells,
-            los,
-        )
+            until[b], games[b], pieces[b], memory[b], paths[b], rounds[b], orders[b], log[b], rules,
+            cells, los,
+        )  # fmt: skip

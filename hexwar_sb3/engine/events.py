@@ -32,18 +32,9 @@ def note(game: Row, log: Rows, event: int, a: int, b: int, cell: int, extra: int
 
 @kernel
 def note_shot(
-    game: Row,
-    log: Rows,
-    weapon: int,
-    level: int,
-    roll: int,
-    raw: int,
-    roll2: int,
-    mods: int,
-    corr: int,
-    result: int,
-    apart: int,
-) -> None:
+    game: Row, log: Rows, weapon: int, level: int, roll: int, raw: int, roll2: int, mods: int, corr: int,
+    result: int, apart: int,
+) -> None:  # fmt: skip
     """Add the dice of a shot to the event that was logged last."""
     n = game.log_count
     if n == 0 or n > log.size:

@@ -97,18 +97,9 @@ def add_result(target: Row, result: int) -> None:
 
 @kernel
 def resolve_shot(
-    event: int,
-    actor: int,
-    s: int,
-    t: int,
-    weapon: int,
-    exit_shot: bool,
-    game: Row,
-    pieces: Rows,
-    log: Rows,
-    rules: Row,
-    cells: Rows,
-) -> None:
+    event: int, actor: int, s: int, t: int, weapon: int, exit_shot: bool, game: Row, pieces: Rows,
+    log: Rows, rules: Row, cells: Rows,
+) -> None:  # fmt: skip
     """Throw the dice of one shot of piece s at piece t and collect the result.
 
     `actor` is logged as who fired: the guider of a guided shot, else s. Exit shots have dice of their own.

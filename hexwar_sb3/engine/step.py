@@ -31,17 +31,9 @@ _ONE = np.uint32(1)
 
 @kernel
 def process(
-    game: Row,
-    pieces: Rows,
-    memory: Rows,
-    paths: Rows,
-    rounds: Rows,
-    orders: Rows,
-    log: Rows,
-    rules: Row,
-    cells: Rows,
-    los: Rows,
-) -> None:
+    game: Row, pieces: Rows, memory: Rows, paths: Rows, rounds: Rows, orders: Rows, log: Rows, rules: Row,
+    cells: Rows, los: Rows,
+) -> None:  # fmt: skip
     """Make the step of game.tick; orders are read, answered with a code, and cleared."""
     hidden_before = hidden_bits(pieces)
     ordered = has_orders(orders)
@@ -136,16 +128,10 @@ def next_due(game: Row, pieces: Rows, rounds: Rows) -> int:
         if piece.blood == 0:
             continue
         end = min(
-            end,
-            int(piece.arrives_at),
-            int(piece.stop_ends),
-            int(piece.hide_ends),
-            int(piece.board_ends),
-            int(piece.decompress_ends),
-            int(piece.cool_ends),
-            int(piece.mortar_ends),
+            end, int(piece.arrives_at), int(piece.stop_ends), int(piece.hide_ends), int(piece.board_ends),
+            int(piece.decompress_ends), int(piece.cool_ends), int(piece.mortar_ends),
             int(piece.keep_ends),
-        )
+        )  # fmt: skip
     for r in range(rounds.size):
         if rounds[r].status == ROUND_FLYING:
             end = min(end, int(rounds[r].land_at))
@@ -160,18 +146,9 @@ def next_due(game: Row, pieces: Rows, rounds: Rows) -> int:
 
 @kernel
 def advance(
-    until: int,
-    game: Row,
-    pieces: Rows,
-    memory: Rows,
-    paths: Rows,
-    rounds: Rows,
-    orders: Rows,
-    log: Rows,
-    rules: Row,
-    cells: Rows,
-    los: Rows,
-) -> None:
+    until: int, game: Row, pieces: Rows, memory: Rows, paths: Rows, rounds: Rows, orders: Rows, log: Rows,
+    rules: Row, cells: Rows, los: Rows,
+) -> None:  # fmt: skip
     """Play to the state of tick `until` (or the end), jumping over steps in which nothing is due."""
     while game.tick < until and not game.over:
         due = int(game.tick) if has_orders(orders) else next_due(game, pieces, rounds)
@@ -184,18 +161,9 @@ def advance(
 
 @kernel
 def advance_by_ticks(
-    until: int,
-    game: Row,
-    pieces: Rows,
-    memory: Rows,
-    paths: Rows,
-    rounds: Rows,
-    orders: Rows,
-    log: Rows,
-    rules: Row,
-    cells: Rows,
-    los: Rows,
-) -> None:
+    until: int, game: Row, pieces: Rows, memory: Rows, paths: Rows, rounds: Rows, orders: Rows, log: Rows,
+    rules: Row, cells: Rows, los: Rows,
+) -> None:  # fmt: skip
     """The same, making every step: the oracle of `advance`."""
     while game.tick < until and not game.over:
         process(game, pieces, memory, paths, rounds, orders, log, rules, cells, los)

@@ -12,7 +12,7 @@ from pettingzoo import ParallelEnv
 from hexwar_sb3.engine.roster import SIDES, camp_name, parse_camp
 from hexwar_sb3.engine.world import load_world
 from hexwar_sb3.envs.settings import TaskSettings, task_settings
-from hexwar_sb3.envs.task_games import Obs, setup_of
+from hexwar_sb3.envs.task_games import Obs, box_of, setup_of
 from hexwar_sb3.errors import UnknownNameError
 from hexwar_sb3.play.arena import Arena
 from hexwar_sb3.play.look import Sight
@@ -160,13 +160,7 @@ class TaskParallelEnv(ParallelEnv[str, Obs, int]):  # type: ignore[misc]  # Pett
         }
 
     def _space(self, agent: str) -> spaces.Dict:
-        return spaces.Dict({key: _box(key, value) for key, value in self._observe(agent).items()})
-
-
-def _box(key: str, sample: NDArray[Any]) -> spaces.Box:
-    if key == "action_mask":
-        return spaces.Box(0, 1, sample.shape, np.int8)
-    return spaces.Box(-np.inf, np.inf, sample.shape, sample.dtype.type)
+        return spaces.Dict({key: box_of(key, value) for key, value in self._observe(agent).items()})
 
 
 def parallel_env(scenario: Any = "plain", camps: str = "both", **settings: Any) -> TaskParallelEnv:

@@ -242,10 +242,11 @@ def _label(seat: Seat) -> str:
 
 def observation_space(sight: Sight) -> spaces.Dict:
     """Space of one game's observation; a slot of the buffers is an element of it."""
-    return spaces.Dict({key: _box(key, value[0]) for key, value in sight.obs.items()})
+    return spaces.Dict({key: box_of(key, value[0]) for key, value in sight.obs.items()})
 
 
-def _box(key: str, sample: NDArray[Any]) -> spaces.Box:
+def box_of(key: str, sample: NDArray[Any]) -> spaces.Box:
+    """Space of one part of an observation."""
     low, high = (0, 1) if key in ("action_mask", "alive") else (-BOUND, BOUND)
     return spaces.Box(low, high, sample.shape, sample.dtype.type)
 

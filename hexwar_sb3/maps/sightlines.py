@@ -86,15 +86,9 @@ def axial_grids(
 
 @kernel
 def look_along(
-    los: npt.NDArray[np.uint8],
-    cells: Rows,
-    grid: npt.NDArray[np.int16],
-    top_m: npt.NDArray[np.int32],
-    dq: int,
-    dr: int,
-    grade_m: int,
-    eye_m: npt.NDArray[np.int64],
-) -> None:
+    los: npt.NDArray[np.uint8], cells: Rows, grid: npt.NDArray[np.int16], top_m: npt.NDArray[np.int32],
+    dq: int, dr: int, grade_m: int, eye_m: npt.NDArray[np.int64],
+) -> None:  # fmt: skip
     """Set the bits of every pair of cells that lie (dq, dr) apart; eye_m [airborne]."""
     lines = lines_to(dq, dr)
     rows, columns = grid.shape

@@ -57,21 +57,9 @@ def count_done(drive: Row, game: Row, pieces: Rows, orders: Rows) -> None:
 
 @kernel
 def act(
-    drive: Row,
-    game: Row,
-    pieces: Rows,
-    memory: Rows,
-    paths: Rows,
-    rounds: Rows,
-    orders: Rows,
-    plans: Rows,
-    brains: Rows,
-    rules: Row,
-    cells: Rows,
-    los: Rows,
-    eta: Rows,
-    atlas: Row,
-) -> None:
+    drive: Row, game: Row, pieces: Rows, memory: Rows, paths: Rows, rounds: Rows, orders: Rows,
+    plans: Rows, brains: Rows, rules: Row, cells: Rows, los: Rows, eta: Rows, atlas: Row,
+) -> None:  # fmt: skip
     """Let the camps whose turn it is fill `orders`: bots think first, then tasks become orders.
 
     It is a camp's turn when a step brought it news, when it has just decided, or when its bot wakes.
@@ -126,22 +114,9 @@ def note_due(drive: Row, game: Row, plans: Rows) -> bool:
 
 @kernel
 def wants_step(
-    until: int,
-    drive: Row,
-    game: Row,
-    pieces: Rows,
-    memory: Rows,
-    paths: Rows,
-    rounds: Rows,
-    orders: Rows,
-    plans: Rows,
-    brains: Rows,
-    rules: Row,
-    cells: Rows,
-    los: Rows,
-    eta: Rows,
-    atlas: Row,
-) -> bool:
+    until: int, drive: Row, game: Row, pieces: Rows, memory: Rows, paths: Rows, rounds: Rows,
+    orders: Rows, plans: Rows, brains: Rows, rules: Row, cells: Rows, los: Rows, eta: Rows, atlas: Row,
+) -> bool:  # fmt: skip
     """Let the camps act; False if nobody ordered anything and the clock jumped instead, at most to `until`."""
     act(
         drive, game, pieces, memory, paths, rounds, orders, plans, brains,
@@ -152,18 +127,9 @@ def wants_step(
 
 @kernel
 def make_step(
-    drive: Row,
-    game: Row,
-    pieces: Rows,
-    memory: Rows,
-    paths: Rows,
-    rounds: Rows,
-    orders: Rows,
-    log: Rows,
-    rules: Row,
-    cells: Rows,
-    los: Rows,
-) -> None:
+    drive: Row, game: Row, pieces: Rows, memory: Rows, paths: Rows, rounds: Rows, orders: Rows, log: Rows,
+    rules: Row, cells: Rows, los: Rows,
+) -> None:  # fmt: skip
     """Make one step of the engine and count what was carried out."""
     note_given(drive, game, orders)
     process(game, pieces, memory, paths, rounds, orders, log, rules, cells, los)
@@ -173,22 +139,9 @@ def make_step(
 
 @kernel
 def advance_game(
-    drive: Row,
-    game: Row,
-    pieces: Rows,
-    memory: Rows,
-    paths: Rows,
-    rounds: Rows,
-    orders: Rows,
-    log: Rows,
-    plans: Rows,
-    brains: Rows,
-    rules: Row,
-    cells: Rows,
-    los: Rows,
-    eta: Rows,
-    atlas: Row,
-) -> None:
+    drive: Row, game: Row, pieces: Rows, memory: Rows, paths: Rows, rounds: Rows, orders: Rows, log: Rows,
+    plans: Rows, brains: Rows, rules: Row, cells: Rows, los: Rows, eta: Rows, atlas: Row,
+) -> None:  # fmt: skip
     """Play one game until an asked camp is to decide, or to the end."""
     until = next_decision(drive, game)
     while game.over == 0 and game.tick < until:
@@ -204,23 +157,10 @@ def advance_game(
 
 @kernel
 def advance_until_decision(
-    which: Rows,
-    drives: Rows,
-    games: Rows,
-    pieces: Rows,
-    memory: Rows,
-    paths: Rows,
-    rounds: Rows,
-    orders: Rows,
-    log: Rows,
-    plans: Rows,
-    brains: Rows,
-    rules_array: Rows,
-    cells: Rows,
-    los: Rows,
-    eta: Rows,
-    atlas_array: Rows,
-) -> None:
+    which: Rows, drives: Rows, games: Rows, pieces: Rows, memory: Rows, paths: Rows, rounds: Rows,
+    orders: Rows, log: Rows, plans: Rows, brains: Rows, rules_array: Rows, cells: Rows, los: Rows,
+    eta: Rows, atlas_array: Rows,
+) -> None:  # fmt: skip
     """Play each of the games `which` until its next decision or its end.
 
     Args:

@@ -128,17 +128,9 @@ def seeks_partner(plan: Row) -> bool:
 
 @kernel
 def order_with_partner(
-    i: int,
-    taken: int,
-    allotted: Rows,
-    game: Row,
-    pieces: Rows,
-    memory: Rows,
-    orders: Rows,
-    plans: Rows,
-    rules: Row,
-    cells: Rows,
-) -> int:
+    i: int, taken: int, allotted: Rows, game: Row, pieces: Rows, memory: Rows, orders: Rows, plans: Rows,
+    rules: Row, cells: Rows,
+) -> int:  # fmt: skip
     """Guide or board, where that is the task and legal now; the chariot it takes, or NO_PIECE."""
     plan = plans[i]
     if plan.kind == TaskKind.BOARD:
@@ -160,16 +152,9 @@ def order_with_partner(
 
 @kernel
 def fires_itself(
-    c: int,
-    guided_value: float,
-    allotted: Rows,
-    game: Row,
-    pieces: Rows,
-    memory: Rows,
-    plans: Rows,
-    rules: Row,
-    cells: Rows,
-) -> bool:
+    c: int, guided_value: float, allotted: Rows, game: Row, pieces: Rows, memory: Rows, plans: Rows,
+    rules: Row, cells: Rows,
+) -> bool:  # fmt: skip
     """The chariot's own shot is about as good as the one that it would be guided to."""
     if plans[c].hold_fire:
         return False
@@ -216,16 +201,9 @@ def acts_alone(i: int, game: Row, pieces: Rows, plans: Rows) -> bool:
 
 @kernel
 def fire(
-    i: int,
-    allotted: Rows,
-    game: Row,
-    pieces: Rows,
-    memory: Rows,
-    orders: Rows,
-    plans: Rows,
-    rules: Row,
+    i: int, allotted: Rows, game: Row, pieces: Rows, memory: Rows, orders: Rows, plans: Rows, rules: Row,
     cells: Rows,
-) -> bool:
+) -> bool:  # fmt: skip
     """The task's own shot, else one of opportunity, if the plan's fire style allows it."""
     plan = plans[i]
     value, target, weapon = 0.0, NO_PIECE, 0

@@ -72,25 +72,10 @@ def _in_dtype(full: NDArray[Any], dtype: str) -> NDArray[Any]:
 
 @kernel
 def look_batch(
-    slots: Rows,
-    which: Rows,
-    camps: Rows,
-    games: Rows,
-    pieces: Rows,
-    memory: Rows,
-    plans: Rows,
-    rules_array: Rows,
-    cells: Rows,
-    los: Rows,
-    eta: Rows,
-    spots: Rows,
-    rows: Rows,
-    mask: Rows,
-    obs: Rows,
-    tasks: Rows,
-    alive: Rows,
-    state: Rows,
-) -> None:
+    slots: Rows, which: Rows, camps: Rows, games: Rows, pieces: Rows, memory: Rows, plans: Rows,
+    rules_array: Rows, cells: Rows, los: Rows, eta: Rows, spots: Rows, rows: Rows, mask: Rows, obs: Rows,
+    tasks: Rows, alive: Rows, state: Rows,
+) -> None:  # fmt: skip
     """Fill slot slots[k] of the buffers with what camp camps[k] of game which[k] sees.
 
     Args:
@@ -111,17 +96,9 @@ def look_batch(
 
 @kernel
 def choose_batch(
-    slots: Rows,
-    which: Rows,
-    camps: Rows,
-    actions: Rows,
-    drives: Rows,
-    games: Rows,
-    plans: Rows,
-    rows: Rows,
-    mask: Rows,
-    illegal: Rows,
-) -> None:
+    slots: Rows, which: Rows, camps: Rows, actions: Rows, drives: Rows, games: Rows, plans: Rows,
+    rows: Rows, mask: Rows, illegal: Rows,
+) -> None:  # fmt: skip
     """Give the pieces of camp camps[k] in game which[k] the tasks that actions[k] names.
 
     Args:

@@ -132,16 +132,9 @@ def task_action(
 
 @kernel
 def phi(
-    i: int,
-    answer: int,
-    game: Row,
-    pieces: Rows,
-    memory: Rows,
-    orders: Rows,
-    plans: Rows,
-    rules: Row,
+    i: int, answer: int, game: Row, pieces: Rows, memory: Rows, orders: Rows, plans: Rows, rules: Row,
     cells: Rows,
-) -> bool:
+) -> bool:  # fmt: skip
     """Order for a task and an answer, eq. (2): the task's action for 0, else one hop in direction answer - 1.
 
     Returns:

@@ -26,17 +26,9 @@ _OTHERS = 2  # stop, recover
 
 @kernel
 def list_tasks(
-    camp: int,
-    game: Row,
-    pieces: Rows,
-    memory: Rows,
-    rules: Row,
-    cells: Rows,
-    eta: Rows,
-    spots: Rows,
-    tasks: Rows,
-    mask: Rows,
-) -> None:
+    camp: int, game: Row, pieces: Rows, memory: Rows, rules: Row, cells: Rows, eta: Rows, spots: Rows,
+    tasks: Rows, mask: Rows,
+) -> None:  # fmt: skip
     """Write the task sets of a camp.
 
     Args:

@@ -53,15 +53,9 @@ def chance(
 
 @kernel
 def expected_value(
-    weapon: int,
-    blood: int,
-    level: int,
-    mods: int,
-    target_kind: int,
-    target_blood: int,
-    bonus: bool,
+    weapon: int, blood: int, level: int, mods: int, target_kind: int, target_blood: int, bonus: bool,
     rules: Row,
-) -> float:
+) -> float:  # fmt: skip
     """Expected points of a shot; with `bonus` also half a unit's value for the chance to destroy."""
     light = SOLDIER_SUPPRESSED if target_kind == PieceType.SOLDIER else VEHICLE_SUPPRESSED
     units = light * chance(weapon, blood, level, mods, target_kind, 0, rules)
@@ -200,16 +194,9 @@ def is_pinned(piece: Row) -> bool:
 
 @kernel
 def expect_loss(
-    i: int,
-    j: int,
-    weapon: int,
-    allotted: Rows,
-    game: Row,
-    pieces: Rows,
-    memory: Rows,
-    rules: Row,
+    i: int, j: int, weapon: int, allotted: Rows, game: Row, pieces: Rows, memory: Rows, rules: Row,
     cells: Rows,
-) -> None:
+) -> None:  # fmt: skip
     """Allot the median loss of a shot of piece i to enemy j, so that the next shooter knows of it."""
     piece = pieces[i]
     known = memory[piece.camp, j]

@@ -120,17 +120,9 @@ def _put_place(out: Rows, at: int, camp: int, cell: int, game: Row, cells: Rows)
 
 @kernel
 def _put_target(
-    out: Rows,
-    at: int,
-    i: int,
-    j: int,
-    game: Row,
-    pieces: Rows,
-    memory: Rows,
-    rules: Row,
-    cells: Rows,
+    out: Rows, at: int, i: int, j: int, game: Row, pieces: Rows, memory: Rows, rules: Row, cells: Rows,
     los: Rows,
-) -> None:
+) -> None:  # fmt: skip
     """An enemy as the camp knows it; the column of the action's value is left out."""
     piece, kind = pieces[i], pieces[j].kind
     known = memory[piece.camp, j]

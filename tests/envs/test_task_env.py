@@ -20,9 +20,7 @@ from hexwar_sb3.envs.task_env import TaskEnv
 SHORT = 300  # Delta-t: a game in six decisions
 
 
-@pytest.mark.filterwarnings("ignore:.*Box observation space (min|max)imum value is:UserWarning")
 def test_gymnasium_finds_nothing_wrong() -> None:
-    """Features have no natural bounds (the warning that is ignored)."""
     check_gymnasium(gymnasium.make(TASK_ENV, decision_ticks=SHORT).unwrapped)
 
 

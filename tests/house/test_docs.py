@@ -16,7 +16,9 @@ def test_the_feature_page_is_the_feature_table(root: Path) -> None:
     assert page.endswith(markdown()), "run `make docs`"
 
 
-@pytest.mark.parametrize("page", ["README.md", "CONTRIBUTING.md", "docs/glossary.md", "docs/seeds.md"])
+@pytest.mark.parametrize(
+    "page", ["README.md", "CONTRIBUTING.md", "docs/glossary.md", "docs/players.md", "docs/seeds.md"]
+)
 def test_every_link_of_a_page_leads_somewhere(root: Path, page: str) -> None:
     text = (root / page).read_text(encoding="utf-8")
 
