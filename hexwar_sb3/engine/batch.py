@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
+from hexwar_sb3.checks import check_whole
 from hexwar_sb3.engine.order_rows import write_order
 from hexwar_sb3.engine.orders import Order
 from hexwar_sb3.engine.roster import Roster, parse_camp
@@ -61,7 +62,7 @@ class Engine:
     def advance(self, ticks: int) -> None:
         """Play so many ticks in every game, at most to its end."""
         s = self.state
-        until = s.games.tick.astype(np.int64) + ticks
+        until = s.games.tick.astype(np.int64) + check_whole("ticks", ticks, least=0)
         arrays = (s.games, s.pieces, s.memory, s.paths, s.rounds, s.orders, s.log)
         advance_all(until, *arrays, *self.world.tables)
 

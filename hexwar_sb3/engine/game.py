@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
+from hexwar_sb3.checks import check_whole
 from hexwar_sb3.engine.edit import Editor
 from hexwar_sb3.engine.game_events import GameEvent
 from hexwar_sb3.engine.legal import Advisor
@@ -23,7 +24,7 @@ from hexwar_sb3.engine.step import advance, next_due
 from hexwar_sb3.engine.text import parse_board, print_game
 from hexwar_sb3.engine.view import SideView, side_view
 from hexwar_sb3.engine.world import load_world
-from hexwar_sb3.errors import ConfigError, OrderError
+from hexwar_sb3.errors import OrderError
 from hexwar_sb3.kernels import Row, Rows
 from hexwar_sb3.maps.scenario import Scenario
 from hexwar_sb3.rules import RuleSet
@@ -122,7 +123,7 @@ class Game:
             OrderError, UnknownNameError: an order that cannot be read; then none is taken.
         """
         side = parse_camp(camp)
-        batch = [orders] if isinstance(orders, Order) else list(orders)
+        batch = list(orders) if isinstance(orders, Iterable) else [orders]
         rows = np.zeros(len(batch), ORDER).view(np.recarray)
         places = [self._write(side, order, row) for order, row in zip(batch, rows, strict=True)]
         advisor = self._advisor(side)
@@ -144,10 +145,11 @@ class Game:
 
         Returns:
             What happened, in order: the referee's view.
+
+        Raises:
+            ConfigError: not a whole number, or below 0: time does not run backwards.
         """
-        if ticks < 0:
-            raise ConfigError(f"time does not run backwards: advance({ticks})")
-        until = min(self.tick + ticks, int(self._row.end_tick))
+        until = min(self.tick + check_whole("ticks", ticks, least=0), int(self._row.end_tick))
         events: list[GameEvent] = []
         while self.tick < until and not self.over:
             events += self._next_step(until)

@@ -6,6 +6,7 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
+from hexwar_sb3.checks import check_whole
 from hexwar_sb3.engine.dice import splitmix64
 from hexwar_sb3.engine.records import (
     GAME,
@@ -71,7 +72,12 @@ def new_state(world: World, n_games: int, log_size: int = 0) -> State:
 
 
 def reset_game(state: State, b: int, world: World, seed: int) -> None:
-    """Put game b back to tick 0 with a seed for its dice."""
+    """Put game b back to tick 0 with a seed for its dice; of a larger one the last 64 bits count.
+
+    Raises:
+        ConfigError: the seed is no integer >= 0.
+    """
+    check_whole("seed", seed, least=0)
     state.copy_from(new_state(world, 1), b, 0)
     seed_game(state.games[b], np.uint64(seed & 0xFFFFFFFFFFFFFFFF))
 

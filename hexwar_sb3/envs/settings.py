@@ -6,10 +6,10 @@ from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
 
+from hexwar_sb3.checks import check_whole
 from hexwar_sb3.errors import ConfigError, UnknownNameError
 from hexwar_sb3.maps.scenario import Scenario
 from hexwar_sb3.play.records import DECISION_TICKS
-from hexwar_sb3.play.seeds import check_whole
 
 SIDES = ("red", "blue", "both")
 REWARDS = ("paper", "net")

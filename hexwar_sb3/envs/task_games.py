@@ -10,6 +10,7 @@ from gymnasium import spaces
 from numpy.typing import NDArray
 
 from hexwar_sb3.bots.config import bots_hash
+from hexwar_sb3.checks import check_whole
 from hexwar_sb3.engine.roster import camp_name, enemy_of, parse_camp
 from hexwar_sb3.engine.world import load_world
 from hexwar_sb3.envs.settings import TaskSettings
@@ -17,7 +18,7 @@ from hexwar_sb3.errors import ConfigError
 from hexwar_sb3.play.arena import Arena, Games, Setup, Snapshot
 from hexwar_sb3.play.look import Sight
 from hexwar_sb3.play.player import BotPlayer, Seat, make_mixture, make_player
-from hexwar_sb3.play.seeds import check_seed, check_whole, episode_draw, game_seed
+from hexwar_sb3.play.seeds import check_seed, episode_draw, game_seed
 from hexwar_sb3.play.warm import WARM_TICKS, send_out
 from hexwar_sb3.rules.enums import Camp
 from hexwar_sb3.tasks.features import BOUND, index

@@ -9,12 +9,13 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from hexwar_sb3.checks import check_whole
 from hexwar_sb3.engine.world import load_world
 from hexwar_sb3.maps.scenario import Scenario
 from hexwar_sb3.play.arena import Arena, Games, Setup
 from hexwar_sb3.play.player import Player, Seat, make_player
 from hexwar_sb3.play.records import DECISION_TICKS, DRIVE
-from hexwar_sb3.play.seeds import check_seed, check_whole, game_seed
+from hexwar_sb3.play.seeds import check_seed, game_seed
 from hexwar_sb3.rules.enums import Camp
 
 BATCH_GAMES = 64  # played together; no result depends on it

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from hexwar_sb3.errors import ConfigError
+from hexwar_sb3.checks import check_whole
 
 
 def check_seed(seed: object) -> int:
@@ -14,17 +14,6 @@ def check_seed(seed: object) -> int:
         ConfigError: it is no integer >= 0.
     """
     return check_whole("seed", seed, least=0)
-
-
-def check_whole(setting: str, value: object, least: int) -> int:
-    """Return a whole number.
-
-    Raises:
-        ConfigError: it is no integer, or below `least`.
-    """
-    if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < least:
-        raise ConfigError(f"{setting} must be an integer >= {least}, got {value!r}")
-    return int(value)
 
 
 def game_seed(seed: int, episode: int) -> int:

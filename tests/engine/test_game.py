@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import pytest
 
 import hexwar_sb3 as hx
@@ -10,7 +12,7 @@ from hexwar_sb3.engine.game import Game
 from hexwar_sb3.engine.game_events import of_kind
 from hexwar_sb3.engine.orders import GuideShoot, Hide, IndirectShoot, Move, Null, Order, Shoot, Stop
 from hexwar_sb3.engine.record import state_hash
-from hexwar_sb3.errors import ConfigError, UnknownNameError
+from hexwar_sb3.errors import ConfigError, OrderError, UnknownNameError
 from hexwar_sb3.maps.files import load_scenario
 from hexwar_sb3.rules import default_rules
 
@@ -53,8 +55,9 @@ def test_orders_are_for_the_current_tick_and_the_last_one_counts() -> None:
 
 def test_time_moves_only_forward_and_never_past_the_end() -> None:
     game = Game.from_text(DUEL + "\nticks 100")
-    with pytest.raises(ConfigError, match="time does not run backwards"):
-        game.advance(-1)
+    for wrong in (-1, 1.5, "75"):
+        with pytest.raises(ConfigError, match=r"ticks must be an integer >= 0, got "):
+            game.advance(wrong)  # type: ignore[arg-type]
     assert game.advance(0) == []
     game.advance(1000)
     assert (game.tick, game.over) == (100, True)
@@ -231,3 +234,15 @@ def test_a_whole_game_has_mortars_listed_by_cell() -> None:
     game = Game("plain")
     cells = [order.cell for order in game.legal_orders("red", "chariot0") if isinstance(order, IndirectShoot)]
     assert len(cells) == len(set(cells)) > 700
+
+
+@pytest.mark.parametrize("seed", [-1, 1.5, "x"])
+def test_a_seed_is_a_whole_number(seed: Any) -> None:
+    with pytest.raises(ConfigError, match="seed must be an integer >= 0, got "):
+        Game(seed=seed)
+
+
+@pytest.mark.parametrize("wrong", [None, "move", 3, [None]])
+def test_what_is_no_order_is_met_with_an_example(wrong: Any) -> None:
+    with pytest.raises(OrderError, match=r"expected an order such as Move\("):
+        Game().submit("red", wrong)

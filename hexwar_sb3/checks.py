@@ -1,0 +1,18 @@
+"""Checks of settings that several layers share."""
+
+from __future__ import annotations
+
+from numbers import Integral
+
+from hexwar_sb3.errors import ConfigError
+
+
+def check_whole(setting: str, value: object, least: int) -> int:
+    """Return a whole number.
+
+    Raises:
+        ConfigError: it is no integer, or below `least`.
+    """
+    if isinstance(value, bool) or not isinstance(value, Integral) or value < least:
+        raise ConfigError(f"{setting} must be an integer >= {least}, got {value!r}")
+    return int(value)
