@@ -31,9 +31,8 @@ USER_ERROR, INTERRUPTED = 2, 130  # exit codes
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Run one sub-command; a mistake of the user's ends in one line, not in a traceback."""
-    command = parse(sys.argv[1:] if arguments is None else arguments)
     try:
-        code = command.run()
+        code = parse(sys.argv[1:] if arguments is None else arguments).run()
     except (HexWarError, OSError) as error:
         print(f"hexwar: {error}", file=sys.stderr)
         code = USER_ERROR

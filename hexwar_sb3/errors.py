@@ -24,8 +24,9 @@ class UnknownNameError(HexWarError, KeyError):
 
     def __init__(self, kind: str, name: str, known: Iterable[str]) -> None:
         names = sorted(known)
-        close = difflib.get_close_matches(name, names, n=1)
-        hint = f"did you mean {close[0]!r}?" if close else f"known: {', '.join(names)}"
+        spelt = {known_name.casefold(): known_name for known_name in names}
+        close = difflib.get_close_matches(name.casefold(), spelt, n=1)
+        hint = f"did you mean {spelt[close[0]]!r}?" if close else f"known: {', '.join(names)}"
         self.message = f"unknown {kind} {name!r}; {hint}"
         super().__init__(self.message)
 

@@ -201,6 +201,10 @@ class QMIX(PlainZipAlgorithm):
         tb_log_name: str = "run",
         progress_bar: bool = False,
     ) -> tuple[int, BaseCallback]:
+        if self.env is None:
+            raise ConfigError(
+                "this model has no env to learn in: QMIX.load(path, env=env), or model.set_env(env)"
+            )
         state_dim = TaskShapes.of(self.observation_space, self.action_space).state_dim
         if state_dim != self.policy.state_dim:
             raise ConfigError(

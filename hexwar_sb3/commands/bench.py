@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from hexwar_sb3.checks import check_whole
 from hexwar_sb3.commands.output import print_json, table
 from hexwar_sb3.commands.settings import Json, ScenarioName
 
@@ -18,6 +19,7 @@ class Bench:
 
     def run(self) -> int:
         """Print the figures."""
+        check_whole("rounds", self.rounds, least=1)
         from hexwar_sb3.commands.bench_games import game_figures
         from hexwar_sb3.commands.bench_learner import learner_figures
         from hexwar_sb3.commands.bench_start import peak_mb, start_figures

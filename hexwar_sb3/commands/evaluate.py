@@ -18,6 +18,7 @@ from hexwar_sb3.commands.output import (
     table,
 )
 from hexwar_sb3.commands.settings import DecisionTicks, Games, Json, ScenarioName, Seed
+from hexwar_sb3.errors import ConfigError
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -31,7 +32,7 @@ class Evaluate:
     games: Games = 2000
     seed: Seed = 0
     decision_ticks: DecisionTicks = 75
-    constant_plans: bool = True  # also measure the players that follow one fixed plan
+    constant_plans: bool = True  # the players that follow one fixed plan stand beside it, or not
     json: Json = False
 
     def run(self) -> int:
@@ -40,6 +41,8 @@ class Evaluate:
         from hexwar_sb3.evaluation.panel import CAMPS, CONSTANT_PLANS, Terms, play_panel
         from hexwar_sb3.evaluation.provenance import provenance
 
+        if not self.opponents:
+            raise ConfigError("name at least one opponent")
         terms = Terms(
             scenario=self.scenario,
             games=self.games,
@@ -83,6 +86,8 @@ class Match:
         terms = Terms(
             scenario=self.scenario, games=self.games, seed=self.seed, decision_ticks=self.decision_ticks
         )
+        if self.record is not None and self.record.is_dir():
+            raise ConfigError(f"--record {self.record} is a folder; name a file, for example game.hwr")
         compile_first(self.red, self.blue, scenario=self.scenario)
         match = terms.play(self.red, self.blue)
         if self.record is not None:

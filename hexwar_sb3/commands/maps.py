@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import sys
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import tyro
 
+from hexwar_sb3.checks import check_whole
 from hexwar_sb3.commands.output import print_json, table
-from hexwar_sb3.commands.settings import Json
+from hexwar_sb3.commands.settings import Json, check_name
 from hexwar_sb3.errors import ConfigError
 
 HEADS = ("map", "cells", "relief, m", "concealed", "slushy", "paved", "pieces a side", "points", "hash")
@@ -41,17 +43,23 @@ class Maps:
         if self.output is not None:
             self.output.mkdir(parents=True, exist_ok=True)
             for scenario in scenarios:
-                picture(scenario.hexmap, scenario).savefig(self.output / f"{scenario.name}.png", dpi=110)
+                drawn = self.output / f"{scenario.name}.png"
+                picture(scenario.hexmap, scenario).savefig(drawn, dpi=110)
+                print(f"picture: {drawn}", file=sys.stderr)
         return 0
 
     def _make(self) -> Path:
         """Write a new map and its scenario; return the scenario's path."""
         from hexwar_sb3.errors import UnknownNameError
-        from hexwar_sb3.maps.files import save_map, save_scenario
+        from hexwar_sb3.maps.files import builtin_names, save_map, save_scenario
         from hexwar_sb3.maps.generator import PLANS, generate, standard_scenario
 
         if self.output is None:
             raise ConfigError("--new needs --output, the folder for the new files")
+        check_name("new", str(self.new))
+        check_whole("seed", self.seed, least=0)
+        if self.new in builtin_names():
+            raise ConfigError(f"{self.new!r} is a built-in map; give the new one another name")
         if self.like not in PLANS:
             raise UnknownNameError("map", self.like, PLANS)
         hexmap = generate(replace(PLANS[self.like], name=str(self.new), seed=self.seed))

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import re
 from typing import Annotated
 
 import tyro
+
+from hexwar_sb3.errors import ConfigError
 
 Json = Annotated[bool, tyro.conf.arg(help="print one JSON object instead of a table")]
 Games = Annotated[int, tyro.conf.arg(help="games a cell of the table")]
@@ -13,3 +16,13 @@ DecisionTicks = Annotated[
     int, tyro.conf.arg(help="ticks between two decisions of a policy; as it was trained")
 ]
 ScenarioName = Annotated[str, tyro.conf.arg(help="name of a built-in scenario, or path of a file")]
+
+
+def check_name(setting: str, name: str) -> None:
+    """Check a name that files are called by: no folders, no surprises.
+
+    Raises:
+        ConfigError: it has other characters than letters, digits, "-" and "_".
+    """
+    if not re.fullmatch(r"[A-Za-z0-9_-]{1,80}", name):
+        raise ConfigError(f"{setting} must be of letters, digits, - and _, got {name!r}")

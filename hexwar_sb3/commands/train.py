@@ -11,7 +11,7 @@ import tyro
 
 from hexwar_sb3.commands.output import compile_first
 from hexwar_sb3.commands.run_folder import RunFolder
-from hexwar_sb3.commands.settings import Json, ScenarioName, Seed
+from hexwar_sb3.commands.settings import Json, ScenarioName, Seed, check_name
 from hexwar_sb3.errors import ConfigError, FileFormatError
 from hexwar_sb3.evaluation.seeds import Purpose
 
@@ -65,7 +65,7 @@ class Train:
 
     def run(self) -> int:
         """Train, or go on with a training."""
-        from hexwar_sb3.commands.training import make_env, train
+        from hexwar_sb3.commands.training import go_on, make_env, new_model, train
 
         self._check()
         if self.resume is not None:
@@ -73,12 +73,14 @@ class Train:
             settings = settings_from(folder)
             settings = replace(settings, progress=self.progress, json=self.json, resume=self.resume)
             compile_first()
-            return train(settings, make_env(settings), folder)
-        env = make_env(self)  # a mistake in the settings shows before anything is compiled or written
+            return train(settings, go_on(settings, folder), folder)
+        model = new_model(
+            self, make_env(self)
+        )  # a wrong setting shows before anything is compiled or written
         compile_first()
         folder = RunFolder.new(self.runs, self.name)
         folder.write_config(self, " ".join(["hexwar", *sys.argv[1:]]))
-        return train(self, env, folder)
+        return train(self, model, folder)
 
     def terms(self, games: int | None = None, purpose: Purpose = Purpose.REPORT) -> Terms:
         """Say how this commander is measured: by default as on the page at the end."""
@@ -97,6 +99,9 @@ class Train:
         for name in ("n_timesteps", "n_envs", "eval_freq", "eval_games", "save_freq", "final_games"):
             if getattr(self, name) < 1:
                 raise ConfigError(f"{name} must be at least 1, got {getattr(self, name)}")
+        check_name("name", self.name)
+        if not self.opponents:
+            raise ConfigError("name at least one opponent")
 
     @property
     def learner(self) -> dict[str, Any]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from importlib.util import find_spec
 from pathlib import Path
 from time import monotonic
@@ -21,6 +22,7 @@ from hexwar_sb3.commands.page import write_page
 from hexwar_sb3.commands.run_folder import RunFolder
 from hexwar_sb3.engine.world import load_world
 from hexwar_sb3.envs.registration import make_vec_env
+from hexwar_sb3.errors import ConfigError
 from hexwar_sb3.evaluation.seeds import Purpose, seed_for
 
 if TYPE_CHECKING:
@@ -32,14 +34,12 @@ LOG_EVERY_GAMES = 200
 INTERRUPTED = 130  # exit code after Ctrl-C
 
 
-def train(settings: Train, env: VecEnv, folder: RunFolder) -> int:
+def train(settings: Train, model: QMIX, folder: RunFolder) -> int:
     """Train as the settings say; return the exit code."""
     start = monotonic()
     torch.set_num_threads(1)  # as fast as two here, and it leaves the other core alone
-    if settings.resume:
-        model = load_checkpoint(folder.checkpoint, env, QMIX, device=settings.device)
-    else:
-        model = new_model(settings, env)
+    print(f"run folder: {folder.path}", file=sys.stderr)
+    if model.num_timesteps == 0:
         model.policy.freeze(**about(settings)).save(folder.untrained)
     if not learn(model, settings, folder):
         saved = folder.checkpoint.exists()
@@ -88,13 +88,42 @@ def make_env(settings: Train) -> VecEnv:
     )
 
 
+def go_on(settings: Train, folder: RunFolder) -> QMIX:
+    """Load the model of a run that was broken off.
+
+    Raises:
+        CheckpointError: its checkpoint is missing or broken.
+        ConfigError: the run is finished.
+    """
+    model = load_checkpoint(folder.checkpoint, make_env(settings), QMIX, device=settings.device)
+    if folder.page.exists() and model.num_timesteps >= settings.n_timesteps:
+        raise ConfigError(
+            f"this run is finished: {folder.page}; `hexwar train -i {folder.model}` starts from its model"
+        )
+    return model
+
+
 def new_model(settings: Train, env: VecEnv) -> QMIX:
     """Build a model, or take the one that training is to start from."""
+    check_device(settings.device)
     if settings.trained_agent is None:
         return QMIX("TaskPolicy", env, seed=settings.seed, device=settings.device, **settings.learner)
     model = QMIX.load(settings.trained_agent, env, device=settings.device)
     model.num_timesteps = 0
     return model
+
+
+def check_device(name: str) -> None:
+    """Check that torch knows a device, and has it.
+
+    Raises:
+        ConfigError: it does not.
+    """
+    try:
+        torch.zeros(1, device="cpu" if name == "auto" else name)
+    except (RuntimeError, AssertionError) as error:
+        reason = str(error).splitlines()[0]
+        raise ConfigError(f"device {name!r} cannot be used: {reason}") from error
 
 
 def about(settings: Train) -> dict[str, str]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -35,6 +36,7 @@ class Watch:
             from hexwar_sb3.engine.picture import save_game_picture
 
             save_game_picture(replay, self.output)
+            print(f"picture: {self.output}", file=sys.stderr)
         if self.json:
             print_json({"file": str(self.file), "verified": self.verify, **figures(replay)})
         else:

@@ -16,10 +16,12 @@ from matplotlib.lines import Line2D
 from hexwar_sb3.engine.record import Line
 from hexwar_sb3.engine.replay import Replay
 from hexwar_sb3.engine.roster import SIDES, camp_name
+from hexwar_sb3.errors import ConfigError
 from hexwar_sb3.files import replacing
 from hexwar_sb3.maps.hexmap import HexMap
 from hexwar_sb3.maps.picture import CAMP_COLOUR, centres, draw_map, draw_scenario
 
+PICTURES = (".png", ".svg", ".pdf")
 _SHOTS = frozenset({"shot", "guided", "close_shot", "exit_shot"})
 _ROUNDS = frozenset({"mortar_landed"})
 _COLOUR = {camp_name(camp): CAMP_COLOUR[camp] for camp in SIDES}
@@ -55,7 +57,13 @@ class Story:
 
 
 def save_game_picture(replay: Replay, path: str | Path) -> None:
-    """Draw a game into a file (png, svg or pdf by its suffix)."""
+    """Draw a game into a file (png, svg or pdf by its suffix).
+
+    Raises:
+        ConfigError: another suffix.
+    """
+    if Path(path).suffix not in PICTURES:
+        raise ConfigError(f"{path}: a picture's name must end in one of {', '.join(PICTURES)}")
     with replacing(Path(path)) as temporary:
         game_picture(replay).savefig(temporary, dpi=110)
 

@@ -29,7 +29,7 @@ class JointActionEnv(gymnasium.Env[Obs, NDArray[np.int64]]):
         privileged_state: add env.state(), where it has one, for the mixer.
 
     Raises:
-        ConfigError: an action space is not Discrete.
+        ConfigError: not a ParallelEnv, or an action space is not Discrete.
     """
 
     def __init__(
@@ -37,6 +37,8 @@ class JointActionEnv(gymnasium.Env[Obs, NDArray[np.int64]]):
     ) -> None:
         if team_reward not in TEAM_REWARDS:
             raise UnknownNameError("team_reward", team_reward, TEAM_REWARDS)
+        if not isinstance(env, ParallelEnv):
+            raise ConfigError(f"JointActionEnv takes a PettingZoo ParallelEnv, got {type(env).__name__}")
         self.env, self._sum = env, team_reward == "sum"
         self.names = list(env.possible_agents)
         self.actions = {name: _discrete(env.action_space(name)) for name in self.names}

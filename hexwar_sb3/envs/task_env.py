@@ -11,20 +11,31 @@ from numpy.typing import NDArray
 
 from hexwar_sb3.envs.settings import task_settings
 from hexwar_sb3.envs.task_games import Obs, TaskGames, action_space, observation_space
+from hexwar_sb3.errors import UnknownNameError
 
 
 class TaskEnv(gymnasium.Env[Obs, NDArray[np.int64]]):
     """A batch of one game; the settings are those of `TaskSettings`, by keyword.
+
+    Args:
+        render_mode: "rgb_array": `render` draws what the learner's camp knows; None: it does not.
+        settings: fields of `TaskSettings`.
+
+    Raises:
+        UnknownNameError: no such setting or choice.
+        ConfigError: a setting is out of its range.
 
     Example:
         >>> env = TaskEnv(scenario="plain", opponent="MA2")
         >>> obs, info = env.reset(seed=0)
     """
 
-    metadata: dict[str, Any] = {"render_modes": []}  # noqa: RUF012  (Gymnasium declares it so)
-    render_mode = None
+    metadata: dict[str, Any] = {"render_modes": ["rgb_array"], "render_fps": 4}  # noqa: RUF012  (Gymnasium declares it so)
 
-    def __init__(self, **settings: Any) -> None:
+    def __init__(self, render_mode: str | None = None, **settings: Any) -> None:
+        if render_mode is not None and render_mode not in self.metadata["render_modes"]:
+            raise UnknownNameError("render_mode", render_mode, self.metadata["render_modes"])
+        self.render_mode = render_mode
         self.games = TaskGames(1, task_settings(settings))
         self.observation_space = cast("spaces.Space[Obs]", observation_space(self.games.sight))
         self.action_space = action_space(self.games.sight)
@@ -49,6 +60,14 @@ class TaskEnv(gymnasium.Env[Obs, NDArray[np.int64]]):
         if over:
             info |= self.games.outcome(0)
         return obs, float(span.reward[0]), over, False, info
+
+    def render(self) -> NDArray[np.uint8] | None:
+        """Draw what the learner's camp knows, [height, width, RGB]; None without a render mode."""
+        if self.render_mode is None:
+            return None
+        from hexwar_sb3.envs.render import draw_position  # matplotlib: only where it is asked for
+
+        return draw_position(self.games.arena, 0, int(self.games.camps[0]))
 
     def action_masks(self) -> NDArray[np.bool_]:
         """Valid tasks, pieces one after the other [N * K] (sb3-contrib)."""

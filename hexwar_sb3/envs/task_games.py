@@ -15,7 +15,7 @@ from hexwar_sb3.engine.roster import camp_name, enemy_of, parse_camp
 from hexwar_sb3.engine.world import load_world
 from hexwar_sb3.envs.settings import TaskSettings
 from hexwar_sb3.errors import ConfigError
-from hexwar_sb3.play.arena import Arena, Games, Setup, Snapshot
+from hexwar_sb3.play.arena import Arena, Games, Setup, Snapshot, check_actions
 from hexwar_sb3.play.look import Sight
 from hexwar_sb3.play.player import BotPlayer, Seat, make_mixture, make_player
 from hexwar_sb3.play.seeds import check_seed, episode_draw, game_seed
@@ -102,7 +102,11 @@ class TaskGames:
 
         Args:
             actions: task indices [n, N].
+
+        Raises:
+            ConfigError: they are no whole numbers, or of another shape.
         """
+        check_actions(actions, self.sight.rows.shape[:2])
         before, start = self.margins(), self.arena.state.games.tick.astype(np.int64)
         shown, learns = self.all[self.demos], self.all[~self.demos]
         illegal = np.zeros(self.n_games, np.int64)

@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from hexwar_sb3.checks import check_whole
 from hexwar_sb3.engine.replay import Replay
 from hexwar_sb3.evaluation.matches import check_games, play_match
 from hexwar_sb3.evaluation.results import CampResult, MatchResult
@@ -38,6 +39,7 @@ class Terms:
             ConfigError: one is out of its range.
         """
         check_games(self.games)
+        check_whole("decision_ticks", self.decision_ticks, least=1)
         seed_for(self.purpose, self.seed)
 
     def play(self, red: object, blue: object) -> MatchResult:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -18,7 +18,7 @@ from matplotlib.patheffects import withStroke
 
 from hexwar_sb3.maps.geometry import NE, NW, SE, SW, E, Ints, W, neighbour_cells
 from hexwar_sb3.maps.hexmap import HexMap
-from hexwar_sb3.maps.scenario import PieceStart, Scenario
+from hexwar_sb3.maps.scenario import Scenario
 from hexwar_sb3.rules.enums import Camp
 from hexwar_sb3.rules.ruleset import default_rules
 
@@ -30,7 +30,7 @@ ALTITUDE = LinearSegmentedColormap.from_list(
 )
 FOREST, MARSH, LAKE, ROAD = "#3f6b3a", "#6fa8a0", "#7fb2d9", "#fbf3df"
 CAMP_COLOUR = {Camp.RED: "#c0392b", Camp.BLUE: "#1f4e9c", Camp.GREEN: "#2e7d32"}
-_INK = "#33302b"
+_INK, _NOBODYS = "#33302b", "#f4c430"
 _CORNER = np.deg2rad(np.array([90, 30, -30, -90, -150, 150]))  # N, NE, SE, S, SW, NW corner
 _SIDE = {W: (4, 5), SW: (3, 4), SE: (2, 3), E: (1, 2), NE: (0, 1), NW: (5, 0)}  # its two corners
 _PLATE = {"boxstyle": "round,pad=0.2", "fc": "#ffffffcc", "ec": "none"}  # behind a text
@@ -81,17 +81,30 @@ def draw_map(axes: Axes, hexmap: HexMap) -> None:
 
 def draw_scenario(axes: Axes, scenario: Scenario) -> None:
     """Control points and starts, on axes that hold the map."""
-    where = centres(scenario.hexmap)
-    for point in scenario.points:
-        x, y = where[point.cell]
-        axes.plot(x, y, marker="*", markersize=17, color="#f4c430", markeredgecolor=_INK, zorder=6)
-        _write(axes, (x, y + 1.6), f"{point.name} {point.value}", fontsize=9, weight="bold", bbox=_PLATE)
-    cells: dict[int, list[PieceStart]] = {}
+    draw_points(axes, scenario)
+    cells: dict[int, list[tuple[Camp, str]]] = {}
     for piece in scenario.pieces:
-        cells.setdefault(piece.cell, []).append(piece)
-    for cell, pieces in cells.items():
-        letters = "+".join(piece.kind.name[0] for piece in pieces)
-        plate = _PLATE | {"fc": CAMP_COLOUR[pieces[0].camp], "ec": "white"}
+        cells.setdefault(piece.cell, []).append((piece.camp, piece.kind.name[0]))
+    draw_tokens(axes, scenario.hexmap, cells)
+
+
+def draw_points(axes: Axes, scenario: Scenario, owners: Sequence[Camp] = ()) -> None:
+    """Control points with their values, in the colours of their owners where those are given."""
+    where = centres(scenario.hexmap)
+    for k, point in enumerate(scenario.points):
+        x, y = where[point.cell]
+        owner = owners[k] if owners else Camp.GREEN
+        colour = _NOBODYS if owner == Camp.GREEN else CAMP_COLOUR[owner]
+        axes.plot(x, y, marker="*", markersize=17, color=colour, markeredgecolor=_INK, zorder=6)
+        _write(axes, (x, y + 1.6), f"{point.name} {point.value}", fontsize=9, weight="bold", bbox=_PLATE)
+
+
+def draw_tokens(axes: Axes, hexmap: HexMap, cells: Mapping[int, Sequence[tuple[Camp, str]]]) -> None:
+    """Pieces as letters on plates of their camp's colour, by cell."""
+    where = centres(hexmap)
+    for cell, tokens in cells.items():
+        plate = _PLATE | {"fc": CAMP_COLOUR[tokens[0][0]], "ec": "white"}
+        letters = "+".join(letter for _, letter in tokens)
         _write(axes, where[cell], letters, fontsize=7, weight="bold", color="white", bbox=plate)
 
 

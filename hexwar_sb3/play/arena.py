@@ -16,6 +16,7 @@ from hexwar_sb3.engine.score import margin, points_held
 from hexwar_sb3.engine.sight import remember
 from hexwar_sb3.engine.state import State, new_state, seed_game
 from hexwar_sb3.engine.world import World
+from hexwar_sb3.errors import ConfigError
 from hexwar_sb3.kernels import Rows, kernel
 from hexwar_sb3.play.demos import name_plans
 from hexwar_sb3.play.drive import advance_until_decision
@@ -110,7 +111,11 @@ class Arena:
 
         Returns:
             Number of illegal actions of each game, [n]; an illegal action stands for stop.
+
+        Raises:
+            ConfigError: the actions are no whole numbers [n, N].
         """
+        check_actions(actions, (len(which), sight.rows.shape[1]))
         illegal = np.zeros(len(which), np.int64)
         actions = np.ascontiguousarray(actions, np.int64)
         choose_batch(
@@ -177,6 +182,19 @@ class Arena:
     def _arrays(self) -> Snapshot:
         state = {field.name: getattr(self.state, field.name) for field in fields(State)}
         return {**state, "plans": self.plans, "brains": self.brains, "drives": self.drives}
+
+
+def check_actions(actions: object, expected: tuple[int, ...]) -> None:
+    """Check the shape of actions, [games, pieces], before a kernel takes it for granted.
+
+    Raises:
+        ConfigError: they are no whole numbers, or too many or too few.
+    """
+    found = np.asarray(actions)
+    if found.shape != expected or found.dtype.kind not in "iu":
+        raise ConfigError(
+            f"actions must be whole numbers of shape (games, pieces) = {expected}, got {found.dtype} {found.shape}"
+        )
 
 
 def _start(world: World, setup: Setup) -> State:

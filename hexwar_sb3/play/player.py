@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hexwar_sb3.bots.registry import BOTS
-from hexwar_sb3.errors import ConfigError, UnknownNameError
+from hexwar_sb3.errors import ConfigError, PolicyFileError, UnknownNameError
 from hexwar_sb3.play.frozen import FrozenPolicy
 from hexwar_sb3.rules.ruleset import default_rules
 
@@ -61,11 +61,25 @@ class ModelPlayer:
         return cast("Actions", actions)
 
 
+@dataclass(frozen=True)
+class ActingPlayer:
+    """Any object with `act(obs)` and nothing to reset."""
+
+    actor: Any
+
+    def reset(self) -> None:
+        """Nothing to forget."""
+
+    def act(self, obs: Observation) -> Actions:
+        """Ask the object."""
+        return cast("Actions", self.actor.act(obs))
+
+
 Seat: TypeAlias = BotPlayer | Player
 
 
 def make_player(player: object) -> Seat:
-    """Turn a bot's name, a policy folder, or an object with `act` or `predict` into a player.
+    """Turn a bot's name, a policy or run folder, or an object with `act` or `predict` into a player.
 
     Raises:
         UnknownNameError: neither a bot nor a folder has this name.
@@ -78,8 +92,14 @@ def make_player(player: object) -> Seat:
     """
     if isinstance(player, str | Path):
         return _named_player(player)
+    if inspect.isclass(player):
+        raise ConfigError(
+            f"a player is an object: got the class {player.__name__}, perhaps for {player.__name__}()"
+        )
     if isinstance(player, BotPlayer | Player):
         return player
+    if hasattr(player, "act"):
+        return ActingPlayer(player)
     if hasattr(player, "predict"):
         return ModelPlayer(player)
     raise ConfigError(f"a player is a name, a folder, or has act() or predict(); got {player!r}")
@@ -89,9 +109,12 @@ def _named_player(name: str | Path) -> Seat:
     if name in BOTS:
         return BotPlayer(str(name), BOTS[str(name)].id)
     folder = Path(name)
-    for place in (folder, folder / "policy"):
+    for place in (folder / "policy", folder):
         if (place / POLICY_FILE).is_file():
             return FrozenPolicy.load(place, rules=default_rules().hash)
+    if folder.exists():
+        expected = "a policy folder, or a run folder with policy/ in it"
+        raise PolicyFileError(folder, POLICY_FILE, found="nothing", expected=expected)
     raise UnknownNameError("player", str(name), BOTS)
 
 

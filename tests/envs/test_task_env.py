@@ -12,10 +12,12 @@ from numpy.typing import NDArray
 from sb3_contrib import MaskablePPO
 from sb3_contrib.common.maskable.callbacks import MaskableEvalCallback
 from stable_baselines3.common.env_checker import check_env as check_sb3
+from stable_baselines3.common.env_util import make_vec_env as make_stock_vec_env
 from stable_baselines3.common.evaluation import evaluate_policy
 
 from hexwar_sb3.envs.registration import TASK_ENV, make_vec_env
 from hexwar_sb3.envs.task_env import TaskEnv
+from hexwar_sb3.errors import ConfigError, UnknownNameError
 
 SHORT = 300  # Delta-t: a game in six decisions
 
@@ -30,6 +32,55 @@ def test_gymnasium_finds_nothing_wrong() -> None:
 def test_stable_baselines3_finds_nothing_wrong() -> None:
     """Task rows have three axes and masks two, on purpose: SB3 only warns."""
     check_sb3(TaskEnv(decision_ticks=SHORT))
+
+
+def test_it_draws_what_the_learner_knows_on_request() -> None:
+    env = TaskEnv(render_mode="rgb_array", decision_ticks=SHORT)
+    env.reset(seed=0)
+    start = env.render()
+    assert start is not None
+    assert start.dtype == np.uint8
+    assert start.ndim == 3
+    for _ in range(3):
+        env.step(env.games.sight.obs["action_mask"][0].argmax(axis=-1) * 0 + 1)
+    later = env.render()
+    assert later is not None
+    assert (start != later).any()
+    assert TaskEnv(decision_ticks=SHORT).render() is None
+
+
+def test_an_unknown_render_mode_is_named() -> None:
+    with pytest.raises(UnknownNameError, match="unknown render_mode 'human'"):
+        TaskEnv(render_mode="human")
+
+
+def test_stable_baselines3_makes_it_by_its_id() -> None:
+    """SB3 asks for a picture of every env that it makes itself."""
+    env = make_stock_vec_env(TASK_ENV, n_envs=2, env_kwargs={"decision_ticks": SHORT})
+    assert env.reset()["obs"].shape[0] == 2  # type: ignore[call-overload]
+
+
+@pytest.mark.parametrize("actions", [np.zeros((1, 400), int), np.zeros(3, int), np.zeros((7, 1)), None])
+def test_actions_of_another_shape_are_refused(actions: Any) -> None:
+    env, batch = TaskEnv(decision_ticks=SHORT), make_vec_env(TASK_ENV, decision_ticks=SHORT)
+    env.reset(seed=0)
+    batch.reset()
+    for step in (env.step, batch.step):
+        with pytest.raises(
+            ConfigError, match=r"actions must be whole numbers of shape \(games, pieces\) = \(1, 7\)"
+        ):
+            step(actions)
+
+
+def test_an_opponent_with_actions_of_another_shape_is_refused() -> None:
+    class Wrong:
+        def act(self, obs: Any) -> NDArray[np.int64]:
+            return np.zeros(3, np.int64)
+
+    env = TaskEnv(decision_ticks=SHORT, opponent=Wrong())
+    env.reset(seed=0)
+    with pytest.raises(ConfigError, match=r"of shape \(games, pieces\) = \(1, 7\), got int64 \(3,\)"):
+        env.step(np.zeros(7, np.int64))
 
 
 def test_the_single_env_is_the_vec_env_of_one_game() -> None:

@@ -25,7 +25,7 @@ def test_the_learner_begins_to_decide_after_the_way() -> None:
     games.begin(games.all)
     assert (games.arena.state.games.tick > WARM_TICKS - games.settings.decision_ticks).all()
     assert games.arena.due(games.all, games.camps).all()
-    assert (games.play(np.zeros((2, 7))).ticks == games.settings.decision_ticks).all()
+    assert (games.play(np.zeros((2, 7), np.int64)).ticks == games.settings.decision_ticks).all()
 
 
 def test_only_a_share_of_the_episodes_is_warm() -> None:

@@ -9,8 +9,15 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from hexwar_sb3.errors import ConfigError, UnknownNameError
-from hexwar_sb3.play.player import BotPlayer, ModelPlayer, Observation, make_mixture, make_player
+from hexwar_sb3.errors import ConfigError, PolicyFileError, UnknownNameError
+from hexwar_sb3.play.player import (
+    ActingPlayer,
+    BotPlayer,
+    ModelPlayer,
+    Observation,
+    make_mixture,
+    make_player,
+)
 
 N_PIECES, N_TASKS = 3, 4
 
@@ -45,9 +52,36 @@ def test_a_wrong_name_says_which_one_was_meant() -> None:
         make_player("MA7")
 
 
-def test_a_folder_without_a_policy_is_unknown(tmp_path: Path) -> None:
-    with pytest.raises(UnknownNameError):
+def test_a_folder_without_a_policy_is_told_what_it_lacks(tmp_path: Path) -> None:
+    with pytest.raises(
+        PolicyFileError, match=r"config.json: found nothing; expected a policy folder, or a run"
+    ):
         make_player(tmp_path)
+
+
+def test_a_run_folder_plays_its_policy(tmp_path: Path) -> None:
+    """Its own config.json holds the settings of the training."""
+    (tmp_path / "config.json").write_text("{}", encoding="utf-8")
+    (tmp_path / "policy").mkdir()
+    (tmp_path / "policy" / "config.json").write_text("{}", encoding="utf-8")
+    with pytest.raises(PolicyFileError, match=r"policy/config.json: format"):
+        make_player(tmp_path)
+
+
+def test_an_object_that_only_acts_needs_no_reset() -> None:
+    class Actor:
+        def act(self, obs: Observation) -> NDArray[np.int64]:
+            return np.zeros(obs["action_mask"].shape[:2], np.int64)
+
+    player = make_player(Actor())
+    assert isinstance(player, ActingPlayer)
+    player.reset()
+    assert player.act({"action_mask": np.ones((2, N_PIECES, N_TASKS))}).shape == (2, N_PIECES)
+
+
+def test_a_class_is_no_player() -> None:
+    with pytest.raises(ConfigError, match=r"got the class FirstTask, perhaps for FirstTask\(\)"):
+        make_player(FirstTask)
 
 
 def test_an_object_that_acts_is_a_player_as_it_is() -> None:
