@@ -25,6 +25,7 @@ PICTURES = (".png", ".svg", ".pdf")
 _SHOTS = frozenset({"shot", "guided", "close_shot", "exit_shot"})
 _ROUNDS = frozenset({"mortar_landed"})
 _COLOUR = {camp_name(camp): CAMP_COLOUR[camp] for camp in SIDES}
+_FLIGHT, _SHOT = (0, (1, 1.5)), (0, (6, 2))  # dots and dashes
 _SPREAD = 0.22  # cells between the paths of two pieces that walk the same way
 
 
@@ -116,7 +117,7 @@ def _draw_paths(axes: Axes, hexmap: HexMap, story: Story) -> None:
     for number, (name, ways) in enumerate(story.paths.items()):
         turn = 2 * np.pi * number / max(1, len(story.paths))
         aside = _SPREAD * np.array([np.cos(turn), np.sin(turn)])
-        line = (0, (1, 1.5)) if "aerocraft" in name else "-"
+        line = _FLIGHT if "aerocraft" in name else "-"
         colour = _COLOUR[name.split(":")[0]]
         for way in ways:
             x, y = (where[[hexmap.parse_cell(cell) for cell in way]] + aside).T
@@ -129,7 +130,10 @@ def _draw_shots(axes: Axes, hexmap: HexMap, story: Story) -> None:
         chosen = [shot for shot in story.shots if shot.hurt == hurt]
         ends = [[where[hexmap.parse_cell(cell)] for cell in (s.start, s.cell)] for s in chosen]
         colours = [_COLOUR[shot.camp] for shot in chosen]
-        axes.add_collection(LineCollection(ends, colors=colours, linewidths=width, alpha=alpha, zorder=8))
+        lines = LineCollection(
+            ends, colors=colours, linewidths=width, alpha=alpha, zorder=8, linestyles=_SHOT
+        )
+        axes.add_collection(lines)
 
 
 def _draw_marks(axes: Axes, hexmap: HexMap, story: Story) -> None:
@@ -151,12 +155,17 @@ def _draw_legend(axes: Axes) -> None:
     ink: dict[str, Any] = {"color": "#33302b", "linestyle": "none"}
     entries = [
         *(Line2D([], [], color=colour, label=f"{camp}: path") for camp, colour in _COLOUR.items()),
-        Line2D([], [], color="#33302b", linewidth=0.9, label="shot (bold: with loss)"),
+        Line2D([], [], color="#33302b", linestyle=_FLIGHT, label="aerocraft's path"),
+        Line2D([], [], color="#33302b", linewidth=0.9, linestyle=_SHOT, label="shot (bold: with loss)"),
         Line2D([], [], marker="P", label="capture, with its tick", **ink),
         Line2D([], [], marker="X", label="piece destroyed", **ink),
         Line2D([], [], marker="o", fillstyle="none", label="mortar round", **ink),
     ]
-    axes.legend(handles=entries, loc="upper center", ncols=6, fontsize=7, bbox_to_anchor=(0.5, 0))
+    starts = "starts: T tank, C chariot, S soldier aboard, A aerocraft"
+    axes.legend(
+        handles=entries, ncols=7, fontsize=7, title=starts, title_fontsize=7, loc="upper center",
+        bbox_to_anchor=(0.5, 0),
+    )  # fmt: skip
 
 
 def _draw_scores(axes: Axes, replay: Replay) -> None:
@@ -168,7 +177,7 @@ def _draw_scores(axes: Axes, replay: Replay) -> None:
         axes.axvline(tick, color="#33302b", linewidth=0.5, linestyle=":")
     axes.axhline(0, color="#33302b", linewidth=0.6)
     axes.set(xlabel="tick", ylabel="margin, points", xlim=(0, max(ticks) or 1))
-    axes.legend(loc="upper left", fontsize=8)
+    axes.legend(loc="upper left", bbox_to_anchor=(1, 1), fontsize=8)
 
 
 def _capture_ticks(replay: Replay) -> Iterator[int]:

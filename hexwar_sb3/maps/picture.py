@@ -223,7 +223,14 @@ def _draw_legend(axes: Axes) -> None:
         Patch(color=FOREST, label="concealed"),
         Patch(color=MARSH, label="slushy"),
         Patch(color=LAKE, label="impassable"),
-        Line2D([], [], color=ROAD, linewidth=3, label="paved"),
+        Line2D(
+            [],
+            [],
+            color=ROAD,
+            linewidth=2,
+            label="paved",
+            path_effects=[withStroke(linewidth=4, foreground=_INK)],
+        ),
         Line2D([], [], color="#5a3a22", linewidth=2, label="too steep for vehicles"),
     ]
     axes.legend(
