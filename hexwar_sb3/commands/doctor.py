@@ -7,6 +7,7 @@ import platform
 import shutil
 from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
 from time import perf_counter
 
 from hexwar_sb3 import __version__
@@ -62,6 +63,7 @@ class Doctor:
             "cores": str(os.cpu_count()),
             "gpu": device,
             "cache": f"{root} ({'writable' if os.access(root, os.W_OK) else 'NOT writable'})",
+            "cache size": f"{_size(root) / 1e6:.0f} MB (compiled kernels and maps; may be deleted, is made again)",
             "free disk": f"{shutil.disk_usage(root).free / 1e9:.1f} GB",
         }
 
@@ -77,3 +79,8 @@ class Doctor:
             "first game": f"{first:.1f} s (reads the compiled kernels)",
             "games": f"{20 / (perf_counter() - start):.0f} a second, MA1 against MA2",
         }
+
+
+def _size(folder: Path) -> int:
+    """Bytes of all files below a folder."""
+    return sum(path.stat().st_size for path in folder.rglob("*") if path.is_file())
