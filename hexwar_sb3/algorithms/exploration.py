@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
-from hexwar_sb3.errors import ConfigError
+from hexwar_sb3.errors import ConfigError, TrainingError
 
 NO_TASK = -1  # in `current`: the task under way is not in the new task set
 
@@ -35,6 +37,19 @@ def random_tasks(mask: NDArray[np.bool_], rng: np.random.Generator) -> NDArray[n
     """Draw a valid task for every piece, uniformly: mask [..., K] -> [...]."""
     rank = (rng.random(mask.shape[:-1]) * mask.sum(axis=-1)).astype(np.int64)
     return np.asarray((mask.cumsum(axis=-1) > rank[..., None]).argmax(axis=-1))
+
+
+def checked_masks(masks: NDArray[Any]) -> NDArray[np.bool_]:
+    """Masks as booleans.
+
+    Raises:
+        TrainingError: a wrapper changed them.
+    """
+    if not np.isin(masks, (0, 1)).all():
+        raise TrainingError(
+            "the masks hold more than 0 and 1: VecNormalize must leave them alone, norm_obs_keys=['obs', 'tasks']"
+        )
+    return np.asarray(masks, bool)
 
 
 class Explorer:

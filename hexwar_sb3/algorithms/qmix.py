@@ -14,7 +14,7 @@ from stable_baselines3.common.noise import ActionNoise
 from stable_baselines3.common.policies import BasePolicy
 from stable_baselines3.common.type_aliases import GymEnv, MaybeCallback, Schedule
 
-from hexwar_sb3.algorithms.exploration import NO_TASK, Explorer, epsilon_at, random_tasks
+from hexwar_sb3.algorithms.exploration import NO_TASK, Explorer, checked_masks, epsilon_at, random_tasks
 from hexwar_sb3.algorithms.game_log import GameLog
 from hexwar_sb3.algorithms.model_file import PlainZipAlgorithm
 from hexwar_sb3.algorithms.ranges import check_ranges
@@ -237,7 +237,7 @@ class QMIX(PlainZipAlgorithm):
             value = self.learner.next_value(situation_of(observation, self.device)).mean(dim=1)
             self.game_log.predict(value.cpu().numpy() * self.reward_scale)
         epsilon = 1.0 if self.num_timesteps < learning_starts else self.exploration_rate
-        mask = observation["action_mask"] != 0
+        mask = checked_masks(observation["action_mask"])
         tasks = self.explorer.choose(self.policy.greedy(observation), self.current, mask, epsilon, self.rng)
         return tasks, tasks
 

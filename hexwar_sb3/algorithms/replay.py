@@ -110,12 +110,8 @@ class StepReplay:
         the learner's seat: stored instead of `action`) and SB3's `TimeLimit.truncated`.
 
         Raises:
-            TrainingError: a stored task was masked, or a wrapper changed the masks.
+            TrainingError: a stored task was masked.
         """
-        if not np.isin(obs["action_mask"], (0, 1)).all():
-            raise TrainingError(
-                "the masks hold more than 0 and 1: VecNormalize must leave them alone, norm_obs_keys=['obs', 'tasks']"
-            )
         game = np.arange(self.n_envs)
         row = self.next_row
         cut = np.array([info.get("TimeLimit.truncated", False) for info in infos])

@@ -39,6 +39,13 @@ def model(make_model: MakeModel) -> QMIX:
     return make_model(exploration_episodes=100, reward_scale=7.0).learn(160)
 
 
+def test_a_model_without_an_env_says_how_to_get_one(model: QMIX, tmp_path: Path) -> None:
+    model.save(tmp_path / "model.zip")
+
+    with pytest.raises(ConfigError, match=r"no env to learn in: QMIX.load\(path, env=env\)"):
+        QMIX.load(tmp_path / "model.zip").learn(10)
+
+
 def test_a_loaded_model_predicts_the_same(make_env: MakeEnv, model: QMIX, tmp_path: Path) -> None:
     model.save(tmp_path / "model")
     observation = cast("dict[str, NDArray[np.float32]]", make_env(8, with_state=False).reset())

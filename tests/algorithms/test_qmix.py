@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from stable_baselines3.common.callbacks import CheckpointCallback, EvalCallback
 from stable_baselines3.common.evaluation import evaluate_policy
 from stable_baselines3.common.logger import configure
-from stable_baselines3.common.vec_env import VecMonitor
+from stable_baselines3.common.vec_env import VecMonitor, VecNormalize
 
 from hexwar_sb3.algorithms.presets import PRESETS
 from hexwar_sb3.algorithms.qmix import QMIX, chunk_sizes
@@ -220,3 +220,11 @@ def test_settings_out_of_range_are_refused_with_the_range(
 def test_an_env_without_task_sets_is_refused_with_the_way_out() -> None:
     with pytest.raises(ConfigError, match="JointActionEnv makes them of a PettingZoo parallel env"):
         QMIX("TaskPolicy", "CartPole-v1")
+
+
+def test_a_wrapper_that_changes_the_masks_is_named(make_model: MakeModel, make_env: MakeEnv) -> None:
+    model = make_model(env=VecNormalize(make_env()))
+    with pytest.raises(TrainingError, match=r"VecNormalize must leave them alone, norm_obs_keys="):
+        model.learn(20)
+
+    make_model(env=VecNormalize(make_env(), norm_obs_keys=["obs", "tasks"])).learn(20)

@@ -104,10 +104,8 @@ def test_a_full_player_uses_every_action(player: str) -> None:
     assert (used[1:] > 0).all(), dict(zip(Action, used, strict=True))
 
 
-@pytest.mark.parametrize(("player", "least"), [("MA1", 1), ("MA2", 1)])
-def test_a_held_point_keeps_a_guard_while_a_soldier_is_there(
-    player: str, least: int, bot_games: Games
-) -> None:
+@pytest.mark.parametrize("player", FULL)
+def test_a_held_point_keeps_a_guard_while_a_soldier_is_there(player: str, bot_games: Games) -> None:
     guarded = 0
     games = bot_games(player, "random")
     for _ in games.thoughts():
@@ -122,14 +120,14 @@ def test_a_held_point_keeps_a_guard_while_a_soldier_is_there(
                 assert game.point_owner[k] == Camp.RED
                 assert pieces[slot].kind == PieceType.SOLDIER
                 assert arena.plans[0, slot].cell == game.point_cell[k] or pieces[slot].blood == 0
-    assert guarded >= least
+    assert guarded > 0
 
 
 @pytest.mark.parametrize("player", FULL)
 def test_a_player_that_is_behind_near_the_end_rushes_the_points(player: str, bot_games: Games) -> None:
     rushed: list[bool] = []
-    for seed_opponent in ("MA1", "MA2", "nearest"):
-        games = bot_games(player, seed_opponent, "hills")
+    for opponent in ("MA1", "MA2", "nearest"):
+        games = bot_games(player, opponent, "hills")
         arena: Any = games.arena
         for tick in games.thoughts():
             state = arena.state

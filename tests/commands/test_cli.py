@@ -52,6 +52,20 @@ def test_a_misspelt_flag_is_met_with_the_right_one(hexwar: Command) -> None:
         (("train", "--resume", "no/such/run"), "hexwar: no/such/run/config.json: file: found No such file"),
         (("watch", "no.hwr"), "hexwar: no.hwr"),
         (("maps", "--new", "mine"), "hexwar: --new needs --output"),
+        (("maps", "--new", "plain", "--output", "pics"), "hexwar: 'plain' is a built-in map"),
+        (("maps", "--new", "a/../b", "--output", "pics"), "hexwar: new must be of letters, digits, - and _"),
+        (
+            ("maps", "--new", "mine", "--output", "pics", "--seed", "-4"),
+            "hexwar: seed must be an integer >= 0",
+        ),
+        (("bench", "--rounds", "0"), "hexwar: rounds must be an integer >= 1, got 0"),
+        (("train", "--name", "../x"), "hexwar: name must be of letters, digits, - and _"),
+        (("train", "--device", "cudda"), "hexwar: device 'cudda' cannot be used: "),
+        (("train", "--gamma", "2"), "hexwar: gamma must be in [0, 1], got 2.0"),
+        (("match", "ma1", "MA2"), "hexwar: unknown player 'ma1'; did you mean 'MA1'?"),
+        (("match", "MA1", "MA2", "--decision-ticks", "0"), "hexwar: decision_ticks must be an integer >= 1"),
+        (("match", "MA1", "MA2", "--record", "."), "hexwar: --record . is a folder; name a file"),
+        (("evaluate", "tests"), "hexwar: tests: config.json: found nothing; expected a policy folder"),
     ],
 )
 def test_a_mistake_is_one_line_and_no_traceback(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any, cast
 
+import gymnasium
 import numpy as np
 import pytest
 from gymnasium import spaces
@@ -168,3 +169,8 @@ def test_resets_are_equal() -> None:
     env = JointActionEnv(TwoStepGame())
 
     assert (seen(env) == seen(env)).all()
+
+
+def test_an_env_of_one_agent_is_refused() -> None:
+    with pytest.raises(ConfigError, match="takes a PettingZoo ParallelEnv, got TimeLimit"):
+        JointActionEnv(gymnasium.make("CartPole-v1"))
