@@ -74,9 +74,8 @@ class Train:
             settings = replace(settings, progress=self.progress, json=self.json, resume=self.resume)
             compile_first()
             return train(settings, go_on(settings, folder), folder)
-        model = new_model(
-            self, make_env(self)
-        )  # a wrong setting shows before anything is compiled or written
+        # A wrong setting shows here, before anything is compiled or written.
+        model = new_model(self, make_env(self))
         compile_first()
         folder = RunFolder.new(self.runs, self.name)
         folder.write_config(self, " ".join(["hexwar", *sys.argv[1:]]))

@@ -7,7 +7,6 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from hexwar_sb3.engine.pieces import on_map
 from hexwar_sb3.engine.roster import camp_name
 from hexwar_sb3.engine.score import known_margin
 from hexwar_sb3.maps.picture import draw_map, draw_points, draw_tokens
@@ -44,7 +43,7 @@ def _tokens(arena: Arena, b: int, camp: int) -> dict[int, list[Token]]:
     for piece, known in zip(pieces, memory, strict=True):
         letter = PieceType(int(piece.kind)).name[0]
         if piece.camp == camp:
-            if on_map(piece) or piece.blood > 0:
+            if piece.blood > 0:
                 cells.setdefault(int(piece.cell), []).append((Camp(camp), letter))
         elif is_known(known):
             seen = letter if known.seen else f"{letter}?"

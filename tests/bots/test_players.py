@@ -137,5 +137,6 @@ def test_a_player_that_is_behind_near_the_end_rushes_the_points(player: str, bot
             brain = think(arena, Camp.RED)["brain"]
             assert bool(brain["rush"]) == (tick >= arena.atlas[0].config.endgame_tick and lead < 0)
             rushed.append(bool(brain["rush"]))
-    assert True in rushed
-    assert False in rushed
+    assert set(rushed) == {True, False}, (
+        "the games must show both cases, or the comparison above proved little"
+    )
