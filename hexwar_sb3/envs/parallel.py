@@ -22,7 +22,6 @@ from hexwar_sb3.rules.enums import Camp
 from hexwar_sb3.tasks.records import MAX_TASKS
 
 CAMPS = ("red", "blue", "both")
-_SEED_LIMIT = 2**31  # of seeds that are drawn where none is given
 
 
 class TaskParallelEnv(ParallelEnv[str, Obs, int]):  # type: ignore[misc]  # PettingZoo ships no types
