@@ -29,6 +29,10 @@ class Checkpoint(EverySteps):
         self.path = path
         self._asked = False
 
+    def now(self) -> int:
+        """Env steps of all levels: a lower level may train for long while the upper one stands still."""
+        return int(getattr(self.model, "env_steps", self.model.num_timesteps))
+
     def fire(self) -> None:
         """Save."""
         save_checkpoint(cast("QMIX", self.model), self.path)

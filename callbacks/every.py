@@ -26,23 +26,27 @@ class EverySteps(BaseCallback):
         self.every = every
         self._fired_at = 0
 
+    def now(self) -> int:
+        """Env steps so far."""
+        return int(self.model.num_timesteps)
+
     @abstractmethod
     def fire(self) -> None:
         """Act."""
 
     def _on_training_start(self) -> None:
-        self._fired_at = self.model.num_timesteps
+        self._fired_at = self.now()
 
     def _on_rollout_start(self) -> None:
-        if self.model.num_timesteps // self.every > self._fired_at // self.every:
+        if self.now() // self.every > self._fired_at // self.every:
             self._fire()
 
     def _on_training_end(self) -> None:
-        if self.model.num_timesteps > self._fired_at:
+        if self.now() > self._fired_at:
             self._fire()
 
     def _fire(self) -> None:
-        self._fired_at = self.model.num_timesteps
+        self._fired_at = self.now()
         self.fire()
 
     def _on_step(self) -> bool:

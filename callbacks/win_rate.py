@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import cast
+from typing import Any, cast
 
 from hexwar_sb3.algorithms.qmix import QMIX
 from hexwar_sb3.callbacks.curve import draw_curve
@@ -42,24 +42,32 @@ class WinRateCallback(EverySteps):
 
     def _on_training_start(self) -> None:
         super()._on_training_start()
-        if self.model.num_timesteps == 0:
+        if self.now() == 0:
             self.fire()  # where it starts from
         else:
-            self.history = History.load(self.folder / "evaluations.npz", until=self.model.num_timesteps)
+            self.history = History.load(self.folder / "evaluations.npz", until=self.now())
+
+    def player(self) -> Any:
+        """What plays for the model as it is now."""
+        return cast("QMIX", self.model).policy.freeze(**self.about)
+
+    def keep_best(self, player: Any) -> None:
+        """Save the model, and what played for it."""
+        self.model.save(self.folder / "best_model.zip")
+        player.save(self.folder / "policy")
 
     def fire(self) -> None:
         """Evaluate, record, draw, and save the model if it is the best so far."""
         best = max((result.mean_margin.value for result in self.history.results), default=float("-inf"))
-        policy = cast("QMIX", self.model).policy.freeze(**self.about)
-        panel = play_panel(policy, self.opponents, self.terms, name="trained")
-        result = self.history.add(self.model.num_timesteps, panel)
+        player, now = self.player(), self.now()
+        panel = play_panel(player, self.opponents, self.terms, name="trained")
+        result = self.history.add(now, panel)
         self.logger.record("eval/win_rate", result.win_rate.value)
         self.logger.record("eval/mean_margin", result.mean_margin.value)
         self.logger.record("eval/points_held", float(result.points_held.mean()))
-        self.logger.record("time/total_timesteps", self.model.num_timesteps, exclude="tensorboard")
-        self.logger.dump(self.model.num_timesteps)
+        self.logger.record("time/total_timesteps", now, exclude="tensorboard")
+        self.logger.dump(now)
         self.history.save(self.folder / "evaluations.npz")
         draw_curve(self.history, self.folder / "learning_curve.png")
         if result.mean_margin.value > best:
-            self.model.save(self.folder / "best_model.zip")
-            policy.save(self.folder / "policy")
+            self.keep_best(player)

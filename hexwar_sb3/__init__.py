@@ -12,6 +12,9 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:  # for type checkers and editors; `_HOMES` says the same to Python
     from hexwar_sb3 import rules as rules
+    from hexwar_sb3.algorithms.hierarchical import HierarchicalQMIX as HierarchicalQMIX
+    from hexwar_sb3.algorithms.masked_dqn import MaskedDQN as MaskedDQN
+    from hexwar_sb3.algorithms.masked_dqn import MaskedQRDQN as MaskedQRDQN
     from hexwar_sb3.algorithms.qmix import QMIX as QMIX
     from hexwar_sb3.engine.batch import Engine as Engine
     from hexwar_sb3.engine.game import Game as Game
@@ -49,7 +52,10 @@ _HOMES = {
     "HexWarError": "errors",
     "Hide": "engine.orders",
     "IndirectShoot": "engine.orders",
+    "HierarchicalQMIX": "algorithms.hierarchical",
     "JointActionEnv": "envs.joint_action",
+    "MaskedDQN": "algorithms.masked_dqn",
+    "MaskedQRDQN": "algorithms.masked_dqn",
     "Move": "engine.orders",
     "Null": "engine.orders",
     "Occupy": "engine.orders",

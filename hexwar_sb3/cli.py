@@ -12,6 +12,8 @@ from hexwar_sb3 import __version__
 from hexwar_sb3.commands.bench import Bench
 from hexwar_sb3.commands.doctor import Doctor
 from hexwar_sb3.commands.evaluate import Evaluate, Match
+from hexwar_sb3.commands.experiments import Experiments
+from hexwar_sb3.commands.hotspots import Hotspots
 from hexwar_sb3.commands.maps import Maps
 from hexwar_sb3.commands.train import Train
 from hexwar_sb3.commands.watch import Watch
@@ -23,6 +25,8 @@ COMMANDS: dict[str, Callable[..., Any]] = {
     "match": Match,
     "watch": Watch,
     "maps": Maps,
+    "hotspots": Hotspots,
+    "experiments": Experiments,
     "bench": Bench,
     "doctor": Doctor,
 }
@@ -54,3 +58,7 @@ def parse(arguments: Sequence[str]) -> Any:
         args=arguments,
         config=(tyro.conf.FlagCreatePairsOff, tyro.conf.OmitArgPrefixes),
     )
+
+
+if __name__ == "__main__":
+    main()

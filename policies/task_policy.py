@@ -14,6 +14,7 @@ from torch import Tensor
 
 from hexwar_sb3.errors import ConfigError, UnknownNameError
 from hexwar_sb3.play.frozen import FrozenPolicy
+from hexwar_sb3.play.lower_policy import HEURISTIC_LOWER, Lower
 from hexwar_sb3.policies.agent import NETWORKS, AgentNetwork, TaskNetwork
 from hexwar_sb3.policies.mixers import MIXERS, Mixer
 from hexwar_sb3.policies.shapes import TaskShapes
@@ -73,6 +74,7 @@ class TaskPolicy(BasePolicy):
         self.targets = [*self.agent_target.parameters(), *self.mixer_target.parameters()]  # in the same order
         for parameter in self.targets:
             parameter.requires_grad_(False)
+        self.lower: Lower = HEURISTIC_LOWER  # leads the pieces of a frozen copy
         self.optimizer = optimizer_class(self.trained, lr=lr_schedule(1), **self.optimizer_kwargs)  # type: ignore[call-arg]
 
     def _make_agent(self) -> TaskNetwork:
@@ -127,7 +129,8 @@ class TaskPolicy(BasePolicy):
         weights = {
             name: tensor.detach().cpu().numpy().copy() for name, tensor in self.agent.state_dict().items()
         }
-        return FrozenPolicy(weights, n_pieces=self.shapes.n_pieces, n_tasks=self.shapes.n_tasks, about=about)
+        sizes = {"n_pieces": self.shapes.n_pieces, "n_tasks": self.shapes.n_tasks}
+        return FrozenPolicy(weights, **sizes, about=about, lower=self.lower)
 
     def _get_constructor_parameters(self) -> dict[str, Any]:
         return {

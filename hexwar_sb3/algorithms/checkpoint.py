@@ -10,22 +10,19 @@ from __future__ import annotations
 import io
 import json
 import zipfile
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, cast
 
 import numpy as np
 import torch
-from numpy.typing import NDArray
-from stable_baselines3.common.vec_env import VecEnv, VecEnvWrapper, VecMonitor
+from stable_baselines3.common.vec_env import VecEnv
 
+from hexwar_sb3.algorithms.parts import Arrays, env_snapshot, part, restore_env, under
 from hexwar_sb3.algorithms.qmix import QMIX
 from hexwar_sb3.errors import CheckpointError
 from hexwar_sb3.files import replacing
 
-FORMAT = "hexwar checkpoint 1"
-MONITOR_SUMS = ("episode_returns", "episode_lengths")
-Arrays = dict[str, NDArray[Any]]
+FORMAT = "hexwar checkpoint 2"
 
 
 def save_checkpoint(model: QMIX, path: str | Path) -> None:
@@ -39,9 +36,10 @@ def save_checkpoint(model: QMIX, path: str | Path) -> None:
         "random": np.array(json.dumps(_random_states(model))),
         "exploring": model.explorer.exploring,
         "current": model.current,
-        **_under("replay", model.replay_buffer.snapshot()),
-        **_under("last_obs", cast("Arrays", model._last_obs or {})),  # noqa: SLF001
-        **_under("env", _env_snapshot(model.env)),
+        **under("replay", model.replay_buffer.snapshot()),
+        **under("last_obs", cast("Arrays", model._last_obs or {})),  # noqa: SLF001
+        **under("env", env_snapshot(model.env)),
+        **under("more", model.snapshot()),
     }
     with replacing(Path(path)) as temporary, temporary.open("wb") as file:
         np.savez(file, **arrays)  # type: ignore[arg-type]
@@ -78,12 +76,13 @@ def _go_on(
         found = f"{len(arrays['exploring'])} games"
         raise CheckpointError(path, "env", found=found, expected=f"{env.num_envs}, as the env has")
     model = algorithm.load(io.BytesIO(arrays["model"].tobytes()), env=env, **kwargs)
-    model.replay_buffer.restore(_part("replay", arrays))
+    model.replay_buffer.restore(part("replay", arrays))
     model.explorer.exploring, model.current = arrays["exploring"], arrays["current"]
-    games = _part("env", arrays)
+    games = part("env", arrays)
     if games:
-        _restore_env(env, games)
-        model._last_obs = _part("last_obs", arrays)  # noqa: SLF001
+        restore_env(env, games)
+        model._last_obs = part("last_obs", arrays)  # noqa: SLF001
+    model.restore(part("more", arrays))
     torch.set_rng_state(torch.from_numpy(arrays["torch_random"]))
     _set_random_states(model, json.loads(str(arrays["random"])))
     return model
@@ -103,30 +102,6 @@ def _set_random_states(model: QMIX, states: dict[str, Any]) -> None:
     np.random.set_state(tuple(states["numpy"]))  # noqa: NPY002
 
 
-def _env_snapshot(env: VecEnv | None) -> Arrays:
-    """Snapshot of the env and the sums of its monitor; nothing if it cannot give one."""
-    if env is None or not hasattr(env.unwrapped, "snapshot"):
-        return {}
-    sums = {f"monitor_{name}": getattr(monitor, name) for monitor in _monitors(env) for name in MONITOR_SUMS}
-    return {**sums, **_under("games", env.unwrapped.snapshot())}
-
-
-def _restore_env(env: VecEnv, arrays: Arrays) -> None:
-    for monitor in _monitors(env):
-        for name in MONITOR_SUMS:
-            setattr(monitor, name, arrays[f"monitor_{name}"].copy())
-    env.unwrapped.restore(_part("games", arrays))  # type: ignore[attr-defined]
-
-
-def _monitors(env: VecEnv) -> list[VecMonitor]:
-    """The env's VecMonitor, if it has one."""
-    while isinstance(env, VecEnvWrapper):
-        if isinstance(env, VecMonitor):
-            return [env]
-        env = env.venv
-    return []
-
-
 def _read(path: Path) -> Arrays:
     try:
         with np.load(path, allow_pickle=False) as file:
@@ -136,12 +111,3 @@ def _read(path: Path) -> Arrays:
     if str(arrays.get("format")) != FORMAT:
         raise CheckpointError(path, "format", found=str(arrays.get("format")), expected=FORMAT)
     return arrays
-
-
-def _under(prefix: str, arrays: Mapping[str, NDArray[Any]]) -> Arrays:
-    return {f"{prefix}/{name}": array for name, array in arrays.items()}
-
-
-def _part(prefix: str, arrays: Arrays) -> Arrays:
-    start = f"{prefix}/"
-    return {name.removeprefix(start): array for name, array in arrays.items() if name.startswith(start)}

@@ -6,6 +6,7 @@ import io
 import json
 import pathlib
 import zipfile
+from abc import abstractmethod
 from collections.abc import Iterable
 from typing import Any, BinaryIO, ClassVar, Self
 
@@ -25,15 +26,15 @@ File = str | pathlib.Path | io.BufferedIOBase
 _PICKLED = ":serialized:"  # SB3's mark of a pickled value in a zip's JSON
 
 
-class PlainZipAlgorithm(OffPolicyAlgorithm):
+class PlainZip(OffPolicyAlgorithm):
     """An algorithm of Stable-Baselines3 whose model zips are read without unpickling.
 
-    A subclass keeps `task_sizes`, from which the spaces are made again, and plain values; what it makes
-    again in `_setup_model` is named in `made_again`.
+    A subclass keeps plain values; those under `sizes_key` are what its spaces are made of again. What it
+    makes again in `_setup_model` is named in `made_again`.
     """
 
-    policy: TaskPolicy
-    replay_buffer: StepReplay  # type: ignore[assignment]  # ours has SB3's add(), and its own sample()
+    replay_buffer: Any  # has snapshot() and restore()
+    sizes_key: ClassVar[str]
     made_again: ClassVar[tuple[str, ...]] = ("lr_schedule", "train_freq")
     of_the_run: ClassVar[tuple[str, ...]] = (
         "_last_obs",
@@ -43,11 +44,14 @@ class PlainZipAlgorithm(OffPolicyAlgorithm):
         "ep_success_buffer",
     )
 
-    def set_env(self, env: GymEnv, force_reset: bool = True) -> None:
-        """Go on in another env of the same sizes; to train, it must give the mixer the same state."""
-        check_alike(self.policy.shapes, env)
-        self.observation_space, self.action_space = env.observation_space, env.action_space
-        super().set_env(env, force_reset)
+    @classmethod
+    @abstractmethod
+    def made_spaces(cls, data: dict[str, Any], env: GymEnv | None) -> dict[str, spaces.Space[Any]]:
+        """Make `observation_space` and `action_space` of the plain values in a zip, and check that the env fits.
+
+        Raises:
+            ConfigError: the env's spaces are not the model's.
+        """
 
     def save(
         self, path: File, exclude: Iterable[str] | None = None, include: Iterable[str] | None = None
@@ -79,13 +83,13 @@ class PlainZipAlgorithm(OffPolicyAlgorithm):
             CheckpointError: it is broken, or not ours and not trusted.
             ConfigError: its sizes are not the env's.
         """
-        objects = {**plain_objects(path, env, trust), **(custom_objects or {})}
+        objects = {**plain_objects(cls, path, env, trust), **(custom_objects or {})}
         return super().load(path, env, device, objects, print_system_info, force_reset, **kwargs)
 
     def save_replay_buffer(self, path: File) -> None:
         """Write the steps of the replay as arrays, without pickle."""
         steps = io.BytesIO()
-        np.savez(steps, **self.replay_buffer.snapshot())  # type: ignore[arg-type]  # names are arrays, not options
+        np.savez(steps, **self.replay_buffer.snapshot())
         if isinstance(path, str | pathlib.Path):
             with replacing(pathlib.Path(path)) as temporary:
                 temporary.write_bytes(steps.getvalue())
@@ -93,10 +97,9 @@ class PlainZipAlgorithm(OffPolicyAlgorithm):
             path.write(steps.getvalue())
 
     def load_replay_buffer(self, path: File, truncate_last_traj: bool = True) -> None:
-        """Read what `save_replay_buffer` wrote; the games that were running then end there."""
+        """Read what `save_replay_buffer` wrote."""
         with np.load(path, allow_pickle=False) as steps:
             self.replay_buffer.restore(dict(steps))
-        self.replay_buffer.cut_short()
 
     def _excluded_save_params(self) -> list[str]:
         return [*super()._excluded_save_params(), *self.made_again, *self.of_the_run]
@@ -105,41 +108,60 @@ class PlainZipAlgorithm(OffPolicyAlgorithm):
         return ["policy", "policy.optimizer"], []
 
 
-def plain_objects(path: File, env: GymEnv | None, trust: bool) -> dict[str, Any]:
+class PlainZipAlgorithm(PlainZip):
+    """The same in a task env: its sizes, `task_sizes`, are what the spaces are made of."""
+
+    policy: TaskPolicy
+    replay_buffer: StepReplay  # has SB3's add(), and its own sample()
+    sizes_key: ClassVar[str] = "task_sizes"
+
+    @classmethod
+    def made_spaces(cls, data: dict[str, Any], env: GymEnv | None) -> dict[str, spaces.Space[Any]]:
+        """Take the env's spaces, with or without the mixer's state; without an env make the model's."""
+        shapes = TaskShapes(**data["task_sizes"])
+        if env is None:
+            return {"observation_space": shapes.observation_space(), "action_space": shapes.action_space()}
+        check_alike(shapes, env)
+        return {"observation_space": env.observation_space, "action_space": env.action_space}
+
+    def set_env(self, env: GymEnv, force_reset: bool = True) -> None:
+        """Go on in another env of the same sizes; to train, it must give the mixer the same state."""
+        check_alike(self.policy.shapes, env)
+        self.observation_space, self.action_space = env.observation_space, env.action_space
+        super().set_env(env, force_reset)
+
+    def load_replay_buffer(self, path: File, truncate_last_traj: bool = True) -> None:
+        """Read what `save_replay_buffer` wrote; the games that were running then end there."""
+        super().load_replay_buffer(path, truncate_last_traj)
+        self.replay_buffer.cut_short()
+
+
+def plain_objects(algorithm: type[PlainZip], path: File, env: GymEnv | None, trust: bool) -> dict[str, Any]:
     """Values for everything in a model zip that SB3 would unpickle.
 
     Args:
+        algorithm: that will read it.
         path: of the zip, or the open file.
-        env: the env to go on with; its observation space is taken, with or without the mixer's state.
+        env: the env to go on with.
         trust: let SB3 unpickle what is not ours.
 
     Raises:
         CheckpointError: no model zip, or it holds pickled values that are not ours and is not trusted.
         ConfigError: the env's sizes are not the model's.
     """
-    data = _read_data(path)
-    if "task_sizes" not in data and not trust:
-        raise CheckpointError(
-            _name(path), "data", found="no task_sizes", expected="a zip of ours, or trust=True"
-        )
-    objects: dict[str, Any] = {"policy_class": TaskPolicy}
-    if "task_sizes" in data:
-        objects |= _spaces(data, env)
-    pickled = {key for key, value in data.items() if isinstance(value, dict) and _PICKLED in value}
+    data, key = _read_data(path), algorithm.sizes_key
+    if key not in data and not trust:
+        raise CheckpointError(_name(path), "data", found=f"no {key}", expected="a zip of ours, or trust=True")
+    objects: dict[str, Any] = {"policy_class": algorithm.policy_aliases["MultiInputPolicy"]}
+    if key in data:
+        objects |= algorithm.made_spaces(data, env)
+    pickled = {name for name, value in data.items() if isinstance(value, dict) and _PICKLED in value}
     if pickled - set(objects) and not trust:
         found = f"pickled values {sorted(pickled - set(objects))}"
         raise CheckpointError(
             _name(path), "data", found=found, expected="plain values, or trust=True: unpickling runs code"
         )
     return objects
-
-
-def _spaces(data: dict[str, Any], env: GymEnv | None) -> dict[str, spaces.Space[Any]]:
-    shapes = TaskShapes(**data["task_sizes"])
-    if env is None:
-        return {"observation_space": shapes.observation_space(), "action_space": shapes.action_space()}
-    check_alike(shapes, env)
-    return {"observation_space": env.observation_space, "action_space": env.action_space}
 
 
 def check_alike(shapes: TaskShapes, env: GymEnv) -> None:

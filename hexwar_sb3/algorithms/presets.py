@@ -1,22 +1,58 @@
-"""Named settings of QMIX for the task env."""
+"""Named settings of a training with both levels: games, task env, route env, learner."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass, field
 from typing import Any
 
-PRESETS: dict[str, dict[str, Any]] = {
-    "default": {},
-    # Section IV to the letter: learning rate 0.1, a = 0.1, epsilon 0.5 minus 0.01 every 100 episodes down to 0.05;
-    # no n-step returns, no sticky exploration. With Adam such a learning rate learns nothing.
-    "paper": {
-        "learning_rate": 0.1,
-        "tau": 0.1,
-        "n_steps": 1,
-        "stickiness": 0.0,
-        "exploration_initial_eps": 0.5,
-        "exploration_final_eps": 0.05,
-        "exploration_episodes": 4_500,
-        "exploration_every": 100,
-    },
+Settings = dict[str, Any]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Preset:
+    """What `hexwar train` takes where nothing is said."""
+
+    n_envs: int = 32  # games side by side
+    lower: str = "learned"  # who leads the pieces; or "heuristic", or a folder
+    phase_ticks: tuple[int, int] = (
+        4_500_000,
+        2_000_000,
+    )  # game ticks of the upper, of the lower level in turn
+    demo_share: float = 0.25  # of the first games: a bot plays the learner's seat, and the learner watches
+    demo_games: int = 500
+    warm_start: float = 0.0  # share of the games at first; it falls to 0 by half of the training (III-C)
+    env: Settings = field(default_factory=dict)  # of `TaskSettings`
+    route: Settings = field(default_factory=dict)  # of `RouteSettings`
+    learner: Settings = field(default_factory=dict)  # of `QMIX`
+
+
+PRESETS = {
+    "default": Preset(
+        env={"reward": "net"},
+        learner={"learning_rate": 1e-3, "final_learning_rate": 5e-5},
+    ),
+    # Section IV to the letter: 16 games at a time, learning rate 0.1, a = 0.1, epsilon 0.5 minus 0.01 every 100
+    # episodes down to 0.05, eq. (3) of eq. (1) without discount (eq. (4)), alpha 0.01 and beta 0.05 for every hop, the
+    # six neighbours as the state of the lower level, warm start from G^B. No n-step returns, no sticky
+    # exploration, no demonstrations. With Adam such a learning rate learns nothing.
+    "paper": Preset(
+        n_envs=16,
+        demo_share=0.0,
+        warm_start=1.0,
+        env={"reward": "paper"},
+        route={"alpha": 0.01, "beta": 0.05, "beta_per": "hop", "ways": False},
+        learner={
+            "learning_rate": 0.1,
+            "tau": 0.1,
+            "gamma": 1.0,
+            "n_steps": 1,
+            "double_q": False,
+            "loss": "squared",
+            "stickiness": 0.0,
+            "exploration_initial_eps": 0.5,
+            "exploration_final_eps": 0.05,
+            "exploration_episodes": 4_500,
+            "exploration_every": 100,
+        },
+    ),
 }
-"""Arguments of `QMIX` that differ from its defaults."""

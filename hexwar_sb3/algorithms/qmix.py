@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import asdict
 from typing import Any, ClassVar
 
@@ -13,6 +14,7 @@ from stable_baselines3.common.callbacks import BaseCallback
 from stable_baselines3.common.noise import ActionNoise
 from stable_baselines3.common.policies import BasePolicy
 from stable_baselines3.common.type_aliases import GymEnv, MaybeCallback, Schedule
+from stable_baselines3.common.utils import LinearSchedule
 
 from hexwar_sb3.algorithms.exploration import NO_TASK, Explorer, checked_masks, epsilon_at, random_tasks
 from hexwar_sb3.algorithms.game_log import GameLog
@@ -47,6 +49,7 @@ class QMIX(PlainZipAlgorithm):
         train_freq: (1, "episode") trains after every finished game of any env; or (n, "step") of the VecEnv.
         gradient_steps: updates each time.
         target_update_interval: updates between two changes of the targets.
+        final_learning_rate: where the learning rate ends, in a straight line over the env steps of `learn`; None keeps it.
         mixer: "qmix", "vdn" or "iql".
         n_steps: steps of a transition; with `td_lambda` the length of its windows.
         td_lambda: λ of λ-returns; None takes n-step returns.
@@ -96,6 +99,7 @@ class QMIX(PlainZipAlgorithm):
         gradient_steps: int = 1,
         target_update_interval: int = 1,
         *,
+        final_learning_rate: float | None = None,
         mixer: str = "qmix",
         n_steps: int = 4,
         td_lambda: float | None = None,
@@ -142,6 +146,7 @@ class QMIX(PlainZipAlgorithm):
             )
         self.update_every = train_freq  # SB3 counts episodes with a single env only
         self.target_update_interval = target_update_interval
+        self.final_learning_rate = final_learning_rate
         self.n_steps, self.td_lambda, self.double_q, self.loss = n_steps, td_lambda, double_q, loss
         self.reward_scale, self.stickiness = reward_scale, stickiness
         self.max_grad_norm, self.chunk_size = max_grad_norm, chunk_size
@@ -171,6 +176,12 @@ class QMIX(PlainZipAlgorithm):
         self.learner = self._make_learner()
         self._begin_games()
         self._convert_train_freq()
+
+    def _setup_lr_schedule(self) -> None:
+        """Make the schedule, of plain numbers where it falls; its progress goes on in a resumed run."""
+        super()._setup_lr_schedule()
+        if self.final_learning_rate is not None:
+            self.lr_schedule = LinearSchedule(float(self.learning_rate), self.final_learning_rate, 1.0)  # type: ignore[arg-type]
 
     def _make_learner(self) -> TDLearner:
         return TDLearner(
@@ -286,6 +297,13 @@ class QMIX(PlainZipAlgorithm):
         for predicted, returned in self.game_log.add(reward, dones, infos):
             self.logger.record_mean("rollout/predicted_return", float(predicted))
             self.logger.record_mean("rollout/discounted_return", float(returned))
+
+    def snapshot(self) -> dict[str, NDArray[Any]]:
+        """What a checkpoint needs beside the model zip, the replay and the running games: here nothing."""
+        return {}
+
+    def restore(self, parts: Mapping[str, NDArray[Any]]) -> None:
+        """Take over what `snapshot` gave."""
 
     def train(self, gradient_steps: int, batch_size: int = 128) -> None:
         """Make the updates that are due since the last call."""

@@ -9,13 +9,35 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import tyro
 
+from hexwar_sb3.algorithms.presets import PRESETS
 from hexwar_sb3.commands.output import compile_first
 from hexwar_sb3.commands.run_folder import RunFolder
 from hexwar_sb3.commands.settings import Json, ScenarioName, Seed, check_name
 from hexwar_sb3.errors import ConfigError, FileFormatError
 from hexwar_sb3.evaluation.seeds import Purpose
+from hexwar_sb3.maps.files import builtin_names
 
 EXPLORING_SHARE = 0.4  # of the games, in which epsilon falls to its last value
+LEARNER = (
+    *(
+        "mixer",
+        "learning_rate",
+        "final_learning_rate",
+        "batch_size",
+        "gamma",
+        "n_steps",
+        "td_lambda",
+        "double_q",
+    ),
+    *(
+        "gradient_steps",
+        "stickiness",
+        "exploration_initial_eps",
+        "exploration_final_eps",
+        "exploration_episodes",
+    ),
+)
+"""Settings that are arguments of QMIX."""
 
 if TYPE_CHECKING:
     from hexwar_sb3.evaluation.panel import Terms
@@ -31,30 +53,61 @@ StartFrom = Annotated[
 
 @dataclass(frozen=True, kw_only=True)
 class Train:
-    """Train a commander with QMIX over task sets, then say what it learned."""
+    """Train both levels of a commander in turn, then say what was learned.
 
-    n_timesteps: Steps = 300_000
+    Settings without a value are the preset's.
+    """
+
+    n_timesteps: Steps = 240_000
     seed: Seed = 0
     scenario: ScenarioName = "plain"
     side: Literal["red", "blue", "both"] = "both"  # camp of the commander; both: in turn
     opponents: tuple[str, ...] = ("MA1", "MA2")  # bots' names or policy folders; each game draws one
-    decision_ticks: int = 75  # ticks between two decisions
-    reward: Literal["paper", "net"] = "net"  # margin by eq. (1), or own minus enemy
-    n_envs: int = 32  # games side by side
+    decision_ticks: int = 75  # Delta-t, ticks between two decisions
+    preset: Literal["default", "paper"] = "default"  # "paper": section IV to the letter
+    n_envs: int | None = None  # games side by side
+    reward: Literal["paper", "net"] | None = None  # margin by eq. (1), or own minus enemy
+    decisions: Literal["fixed", "event"] | None = None  # event: also after an own loss or an ended task
+    spots: int | None = None  # k of G^L(k), the cells that tasks lead to
+    warm_start: float | None = (
+        None  # share of the games that begin near G^B; falls to 0 by half of the training
+    )
+    demo_share: float | None = None  # share of the first games in which a bot shows how it plays
+    demo_games: int | None = None  # number of those first games
+    demo_bot: str = "MA2"  # that shows it
 
-    preset: Literal["default", "paper"] = "default"  # settings of the learner
-    mixer: Literal["qmix", "vdn", "iql"] | None = None  # else the preset's, like those below
-    learning_rate: float | None = None  # of Adam
+    lower: str | None = None  # who leads the pieces: "learned", "heuristic", or the folder of a policy
+    phase_ticks: tuple[int, int] | None = None  # game ticks of the upper, of the lower level, in turn
+    lower_scenarios: tuple[str, ...] = ()  # maps of the lower level; else all built-in ones, or the scenario
+    alpha: float | None = None  # weight of the camp's reward in r_L, eq. (5)
+    beta: float | None = None  # cost of a step in r_L, eq. (5)
+    beta_per: Literal["base_hop", "hop"] | None = (
+        None  # what a step is: time of a hop on open ground, or a hop
+    )
+    ways: bool | None = (
+        None  # the fastest ways are part of the lower level's state, or the six neighbours alone
+    )
+    lower_gamma: float | None = None  # discount of a base hop
+
+    mixer: Literal["qmix", "vdn", "iql"] | None = None
+    learning_rate: float | None = None  # of Adam, at the start
+    final_learning_rate: float | None = None  # and at the end
     batch_size: int | None = None  # transitions of an update
     gamma: float | None = None  # discount of 75 ticks
     n_steps: int | None = None  # steps of a transition
+    td_lambda: float | None = None  # of lambda-returns over n_steps; else n-step returns
+    double_q: bool | None = None  # the online network picks the next tasks
     gradient_steps: int | None = None  # updates a finished game
+    stickiness: float | None = None  # probability that an exploring piece keeps its random task
+    exploration_initial_eps: float | None = None  # probability of a random task at the start
+    exploration_final_eps: float | None = None  # and after exploration_episodes
+    exploration_episodes: int | None = None  # finished games until then
     trained_agent: StartFrom = None
     device: str = "auto"  # "cpu", "cuda", or what there is
 
     eval_freq: int = 24_000  # env steps between two evaluations
     eval_games: int = 64  # games an opponent and colour in each of them
-    save_freq: int = 24_000  # env steps between two checkpoints
+    save_freq: int = 48_000  # env steps of both levels between two checkpoints
     final_games: int = 1000  # games an opponent and colour on the page at the end
 
     name: str = "commander"  # the run folder is RUNS/NAME_k
@@ -85,6 +138,7 @@ class Train:
         """Say how this commander is measured: by default as on the page at the end."""
         from hexwar_sb3.evaluation.panel import CAMPS, Terms
 
+        env = self.env
         return Terms(
             scenario=self.scenario,
             games=games or self.final_games,
@@ -92,10 +146,12 @@ class Train:
             purpose=purpose,
             decision_ticks=self.decision_ticks,
             camps=CAMPS if self.side == "both" else (self.side,),
+            spots=env.get("spots", Terms.spots),
+            early=env.get("decisions") == "event",
         )
 
     def _check(self) -> None:
-        for name in ("n_timesteps", "n_envs", "eval_freq", "eval_games", "save_freq", "final_games"):
+        for name in ("n_timesteps", "eval_freq", "eval_games", "save_freq", "final_games"):
             if getattr(self, name) < 1:
                 raise ConfigError(f"{name} must be at least 1, got {getattr(self, name)}")
         check_name("name", self.name)
@@ -103,16 +159,38 @@ class Train:
             raise ConfigError("name at least one opponent")
 
     @property
-    def learner(self) -> dict[str, Any]:
-        """Arguments of QMIX: the preset's, and those that were given."""
-        from hexwar_sb3.algorithms.presets import PRESETS
+    def games(self) -> int:
+        """Games that the env steps make."""
         from hexwar_sb3.engine.world import load_world
 
-        names = ("mixer", "learning_rate", "batch_size", "gamma", "n_steps", "gradient_steps")
-        given = {name: getattr(self, name) for name in names if getattr(self, name) is not None}
-        games = self.n_timesteps * self.decision_ticks // load_world(self.scenario).scenario.game_ticks
-        exploring = {"exploration_episodes": max(1, int(EXPLORING_SHARE * games))}
-        return {**exploring, **PRESETS[self.preset], **given}
+        return self.n_timesteps * self.decision_ticks // load_world(self.scenario).scenario.game_ticks
+
+    def value(self, name: str) -> Any:
+        """A setting of the preset itself, unless it was given."""
+        given = getattr(self, name)
+        return getattr(PRESETS[self.preset], name) if given is None else given
+
+    @property
+    def env(self) -> dict[str, Any]:
+        """Settings of the task env: the preset's, and those that were given."""
+        return {**PRESETS[self.preset].env, **self._given("reward", "decisions", "spots")}
+
+    @property
+    def route(self) -> dict[str, Any]:
+        """Settings of the route env: the preset's, and those that were given."""
+        builtin = builtin_names()
+        scenarios = self.lower_scenarios or (builtin if self.scenario in builtin else [self.scenario])
+        given = self._given("alpha", "beta", "beta_per", "ways")
+        return {"scenario": list(scenarios), **PRESETS[self.preset].route, **given}
+
+    @property
+    def learner(self) -> dict[str, Any]:
+        """Arguments of QMIX: the preset's, and those that were given."""
+        exploring = {"exploration_episodes": max(1, int(EXPLORING_SHARE * self.games))}
+        return {**exploring, **PRESETS[self.preset].learner, **self._given(*LEARNER)}
+
+    def _given(self, *names: str) -> dict[str, Any]:
+        return {name: getattr(self, name) for name in names if getattr(self, name) is not None}
 
 
 def settings_from(folder: RunFolder) -> Train:
@@ -131,4 +209,7 @@ def settings_from(folder: RunFolder) -> Train:
     for key in ("runs", "resume", "trained_agent"):
         if values.get(key) is not None:
             values[key] = Path(values[key])
-    return Train(**{**values, "opponents": tuple(values.get("opponents", Train.opponents))})
+    for key in ("opponents", "lower_scenarios", "phase_ticks"):
+        if values.get(key) is not None:
+            values[key] = tuple(values[key])
+    return Train(**values)

@@ -6,17 +6,19 @@ import sys
 from importlib.util import find_spec
 from pathlib import Path
 from time import monotonic
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, cast
 
 import torch
 from stable_baselines3.common.callbacks import BaseCallback, CallbackList
 from stable_baselines3.common.logger import Logger, configure
 
 from hexwar_sb3.algorithms.checkpoint import load_checkpoint
+from hexwar_sb3.algorithms.hierarchical import HierarchicalQMIX
 from hexwar_sb3.algorithms.qmix import QMIX
 from hexwar_sb3.callbacks.checkpoint import Checkpoint
 from hexwar_sb3.callbacks.progress import ProgressBar
 from hexwar_sb3.callbacks.record import write_games
+from hexwar_sb3.callbacks.shares import ShareOfGames
 from hexwar_sb3.callbacks.win_rate import WinRateCallback
 from hexwar_sb3.commands.page import write_page
 from hexwar_sb3.commands.run_folder import RunFolder
@@ -24,6 +26,7 @@ from hexwar_sb3.engine.world import load_world
 from hexwar_sb3.envs.registration import make_vec_env
 from hexwar_sb3.errors import ConfigError
 from hexwar_sb3.evaluation.seeds import Purpose, seed_for
+from hexwar_sb3.play.lower_policy import HEURISTIC_LOWER
 
 if TYPE_CHECKING:
     from stable_baselines3.common.vec_env import VecEnv
@@ -31,6 +34,7 @@ if TYPE_CHECKING:
     from hexwar_sb3.commands.train import Train
 
 LOG_EVERY_GAMES = 200
+LEARNED = "learned"  # `lower`: the model's own
 INTERRUPTED = 130  # exit code after Ctrl-C
 
 
@@ -77,25 +81,30 @@ def make_env(settings: Train) -> VecEnv:
     """Make the games that the model learns from."""
     return make_vec_env(
         "HexWarTask-v0",
-        n_envs=settings.n_envs,
+        n_envs=settings.value("n_envs"),
         seed=seed_for(Purpose.TRAINING, settings.seed),
         scenario=settings.scenario,
         side=settings.side,
         opponent=list(settings.opponents),
         decision_ticks=settings.decision_ticks,
-        reward=settings.reward,
+        lower=HEURISTIC_LOWER if settings.value("lower") == LEARNED else settings.value("lower"),
+        demo_bot=settings.demo_bot,
         privileged_state=True,
+        **settings.env,
     )
 
 
-def go_on(settings: Train, folder: RunFolder) -> QMIX:
+def go_on(settings: Train, folder: RunFolder) -> HierarchicalQMIX:
     """Load the model of a run that was broken off.
 
     Raises:
         CheckpointError: its checkpoint is missing or broken.
         ConfigError: the run is finished.
     """
-    model = load_checkpoint(folder.checkpoint, make_env(settings), QMIX, device=settings.device)
+    model = cast(
+        "HierarchicalQMIX",
+        load_checkpoint(folder.checkpoint, make_env(settings), HierarchicalQMIX, device=settings.device),
+    )
     if folder.page.exists() and model.num_timesteps >= settings.n_timesteps:
         raise ConfigError(
             f"this run is finished: {folder.page}; `hexwar train -i {folder.model}` starts from its model"
@@ -103,12 +112,19 @@ def go_on(settings: Train, folder: RunFolder) -> QMIX:
     return model
 
 
-def new_model(settings: Train, env: VecEnv) -> QMIX:
+def new_model(settings: Train, env: VecEnv) -> HierarchicalQMIX:
     """Build a model, or take the one that training is to start from."""
     check_device(settings.device)
+    phases = settings.value("phase_ticks")
+    levels: dict[str, Any] = {
+        "phase_ticks": phases if settings.value("lower") == LEARNED else (phases[0], 0),
+        "route_kwargs": settings.route,
+        "lower_kwargs": {} if settings.lower_gamma is None else {"gamma": settings.lower_gamma},
+    }
     if settings.trained_agent is None:
-        return QMIX("TaskPolicy", env, seed=settings.seed, device=settings.device, **settings.learner)
-    model = QMIX.load(settings.trained_agent, env, device=settings.device)
+        how = {"seed": settings.seed, "device": settings.device, **settings.learner, **levels}
+        return HierarchicalQMIX("HierarchicalPolicy", env, **how)
+    model = HierarchicalQMIX.load(settings.trained_agent, env, device=settings.device)
     model.num_timesteps = 0
     return model
 
@@ -138,7 +154,18 @@ def watchers(settings: Train, folder: RunFolder) -> list[BaseCallback]:
     win_rate = WinRateCallback(
         settings.eval_freq, settings.opponents, terms, folder=folder.path, about=about(settings)
     )
-    return [win_rate, *([ProgressBar(settings.n_timesteps)] if settings.progress else [])]
+    bar = [ProgressBar(settings.n_timesteps)] if settings.progress else []
+    return [*shares(settings), win_rate, *bar]
+
+
+def shares(settings: Train) -> list[BaseCallback]:
+    """Build the callbacks that let games begin in a special way: demonstrations first, warm starts while they help."""
+    shown, warm = settings.value("demo_share"), settings.value("warm_start")
+    last, half = settings.value("demo_games"), max(1, settings.games // 2)
+    return [
+        ShareOfGames("set_demo_share", lambda games: shown if games < last else 0.0),
+        ShareOfGames("set_warm_start", lambda games: warm * max(0.0, 1.0 - games / half)),
+    ]
 
 
 def new_logger(folder: Path) -> Logger:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import secrets
+from dataclasses import dataclass
+from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 import gymnasium
@@ -10,19 +12,46 @@ import gymnasium
 from hexwar_sb3.errors import UnknownNameError
 
 if TYPE_CHECKING:
-    from stable_baselines3.common.vec_env import VecMonitor
+    from stable_baselines3.common.vec_env import VecEnv, VecMonitor
 
 SEEDS = 1_000_000  # that are drawn from where None is given
-TASK_ENV = "HexWarTask-v0"
-_ENTRY_POINTS = {TASK_ENV: "hexwar_sb3.envs.task_env:TaskEnv"}
-_OUTCOME = ("win", "margin", "points_held")  # infos of an ended game that SB3's episode records keep
+TASK_ENV, ROUTE_ENV, FLAT_ENV = "HexWarTask-v0", "HexWarRoute-v0", "HexWarFlat-v0"
+
+
+@dataclass(frozen=True)
+class EnvKind:
+    """What is behind an id; modules are imported where they are used."""
+
+    module: str  # of the VecEnv and of the env, hexwar_sb3.envs.MODULE_vec_env and ...MODULE_env
+    name: str  # NameVecEnv(n_envs, settings, seed), NameEnv(**settings)
+    settings: str  # module with the function `MODULE_settings`
+    outcome: tuple[str, ...]  # infos of an ended episode that SB3's episode records keep
+
+    @property
+    def entry_point(self) -> str:
+        """Gymnasium's."""
+        return f"hexwar_sb3.envs.{self.module}_env:{self.name}Env"
+
+    def make(self, n_envs: int, settings: dict[str, Any], seed: int) -> VecEnv:
+        """Make the native VecEnv."""
+        envs = import_module(f"hexwar_sb3.envs.{self.module}_vec_env")
+        checked = getattr(import_module(f"hexwar_sb3.envs.{self.settings}"), f"{self.module}_settings")
+        venv: VecEnv = getattr(envs, f"{self.name}VecEnv")(n_envs, checked(settings), seed)
+        return venv
+
+
+ENVS = {
+    TASK_ENV: EnvKind("task", "Task", "settings", ("win", "margin", "points_held")),
+    ROUTE_ENV: EnvKind("route", "Route", "route_settings", ("finished",)),
+    FLAT_ENV: EnvKind("flat", "Flat", "flat_games", ("win", "margin", "points_held")),
+}
 
 
 def register_envs() -> None:
     """Tell Gymnasium the ids of our envs (once)."""
-    for env_id, entry_point in _ENTRY_POINTS.items():
+    for env_id, kind in ENVS.items():
         if env_id not in gymnasium.registry:
-            gymnasium.register(env_id, entry_point=entry_point)
+            gymnasium.register(env_id, entry_point=kind.entry_point)
 
 
 def make_vec_env(
@@ -31,10 +60,10 @@ def make_vec_env(
     """Make the native VecEnv of an id, monitored.
 
     Args:
-        env_id: "HexWarTask-v0".
+        env_id: "HexWarTask-v0", "HexWarRoute-v0" or "HexWarFlat-v0".
         n_envs: games that are stepped together.
         seed: of the episodes; episode k is the same game with any `n_envs`. None draws one.
-        settings: of the env, see `TaskSettings`.
+        settings: of the env, see `TaskSettings`, `RouteSettings`.
 
     Raises:
         UnknownNameError: no such env, scenario, opponent or choice.
@@ -46,11 +75,9 @@ def make_vec_env(
     # numba and torch: only where they are needed, `import hexwar_sb3` registers without them
     from stable_baselines3.common.vec_env import VecMonitor
 
-    from hexwar_sb3.envs.settings import task_settings
-    from hexwar_sb3.envs.task_vec_env import TaskVecEnv
-
-    if env_id not in _ENTRY_POINTS:
-        raise UnknownNameError("env", env_id, _ENTRY_POINTS)
+    if env_id not in ENVS:
+        raise UnknownNameError("env", env_id, ENVS)
     if seed is None:
         seed = secrets.randbelow(SEEDS)
-    return VecMonitor(TaskVecEnv(n_envs, task_settings(settings), seed), info_keywords=_OUTCOME)
+    kind = ENVS[env_id]
+    return VecMonitor(kind.make(n_envs, settings, seed), info_keywords=kind.outcome)

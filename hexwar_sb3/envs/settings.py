@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from hexwar_sb3.checks import check_whole
 from hexwar_sb3.errors import ConfigError, UnknownNameError
 from hexwar_sb3.maps.scenario import Scenario
 from hexwar_sb3.play.records import DECISION_TICKS
+from hexwar_sb3.tasks.spots import SPOTS
 
+Settings = TypeVar("Settings")
 SIDES = ("red", "blue", "both")
 REWARDS = ("paper", "net")
 DECISIONS = ("fixed", "event")
@@ -26,7 +28,9 @@ class TaskSettings:
     opponent: object = "MA1"  # a player, a list of them, or a list of (player, weight)
     decision_ticks: int = DECISION_TICKS  # Delta-t, ticks
     decisions: str = "fixed"  # "event": also after an own loss or an ended task
+    lower: object = "heuristic"  # leads the learner's pieces: "heuristic", a policy folder, or a callable
     reward: str = "paper"  # margin by eq. (1); "net": own minus enemy, without green
+    spots: int = SPOTS  # k of G^L(k): cells that tasks lead to beside the control points
     fog: bool = True  # False: lights on, for debugging
     privileged_state: bool = False  # adds "state", the truth, for a mixer in training
     warm_start: float = 0.0  # share of episodes that begin near the hot spots (III-C), 0..1
@@ -41,13 +45,14 @@ class TaskSettings:
             ConfigError: a setting is out of its range.
             UnknownNameError: a choice that does not exist.
         """
-        _check_choice("side", self.side, SIDES)
-        _check_choice("reward", self.reward, REWARDS)
-        _check_choice("decisions", self.decisions, DECISIONS)
-        _check_choice("dtype", self.dtype, DTYPES)
+        check_choice("side", self.side, SIDES)
+        check_choice("reward", self.reward, REWARDS)
+        check_choice("decisions", self.decisions, DECISIONS)
+        check_choice("dtype", self.dtype, DTYPES)
         check_share("warm_start", self.warm_start)
         check_share("demo_share", self.demo_share)
         check_whole("decision_ticks", self.decision_ticks, least=1)
+        check_whole("spots", self.spots, least=0)
         if self.demo_share > 0 and self.demo_bot is None:
             raise ConfigError("demo_share needs a demo_bot, for example demo_bot='MA1'")
         if self.demo_bot is not None and self.decision_ticks == 1:
@@ -60,14 +65,28 @@ def task_settings(settings: dict[str, Any]) -> TaskSettings:
     Raises:
         UnknownNameError: no such setting.
     """
-    known = [field.name for field in fields(TaskSettings)]
+    return checked_settings(TaskSettings, settings)
+
+
+def checked_settings(kind: type[Settings], settings: dict[str, Any]) -> Settings:
+    """Settings of a kind from keywords.
+
+    Raises:
+        UnknownNameError: it has no such setting.
+    """
+    known = [field.name for field in fields(kind)]  # type: ignore[arg-type]  # every kind is a dataclass
     for name in settings:
         if name not in known:
             raise UnknownNameError("setting", name, known)
-    return TaskSettings(**settings)
+    return kind(**settings)
 
 
-def _check_choice(setting: str, value: str, choices: tuple[str, ...]) -> None:
+def check_choice(setting: str, value: str, choices: tuple[str, ...]) -> None:
+    """Check a choice by name.
+
+    Raises:
+        UnknownNameError: it does not exist.
+    """
     if value not in choices:
         raise UnknownNameError(setting, str(value), choices)
 

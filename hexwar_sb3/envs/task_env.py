@@ -73,5 +73,9 @@ class TaskEnv(gymnasium.Env[Obs, NDArray[np.int64]]):
         """Valid tasks, pieces one after the other [N * K] (sb3-contrib)."""
         return self.games.sight.obs["action_mask"].reshape(-1).astype(np.bool_)
 
+    def set_lower(self, lower: object) -> None:
+        """Another lower level for the learner's pieces: "heuristic", a folder, a network, or a callable."""
+        self.games.set_lower(lower)
+
     def _observe(self) -> Obs:
         return {key: value[0].copy() for key, value in self.games.look(self.games.all).items()}

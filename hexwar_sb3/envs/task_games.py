@@ -17,6 +17,7 @@ from hexwar_sb3.envs.settings import TaskSettings
 from hexwar_sb3.errors import ConfigError
 from hexwar_sb3.play.arena import Arena, Games, Setup, Snapshot, check_actions
 from hexwar_sb3.play.look import Sight
+from hexwar_sb3.play.lower_policy import make_lower
 from hexwar_sb3.play.player import BotPlayer, Seat, make_mixture, make_player
 from hexwar_sb3.play.seeds import check_seed, episode_draw, game_seed
 from hexwar_sb3.play.warm import WARM_TICKS, send_out
@@ -53,6 +54,7 @@ class TaskGames:
         check_whole("n_envs", n_games, least=1)
         self.settings, self.n_games = settings, n_games
         self.mixture = make_mixture(settings.opponent)
+        self.lower = make_lower(settings.lower)
         self.demo_bot = None if settings.demo_bot is None else make_player(settings.demo_bot)
         self.demo_share, self.warm_start = settings.demo_share, settings.warm_start
         self.arena = Arena(load_world(settings.scenario), n_games, setup_of(settings))
@@ -83,8 +85,20 @@ class TaskGames:
             draw = episode_draw(self._seed, episode, _DEMO_STREAM).random()
             self.demos[b] = self.demo_bot is not None and draw < self.demo_share
             self.arena.begin(int(b), game_seed(self._seed, episode), *self._seats(int(b)))
+            self._lead(int(b))
             self.arena.drives[b].asked[self.camps[b]] = 1
             self._warm_up(int(b), episode_draw(self._seed, episode, _WARM_STREAM))
+
+    def set_lower(self, lower: object) -> None:
+        """Let another lower level lead the learner's pieces, from their next cell or decision on."""
+        self.lower = make_lower(lower)
+        for b in self.all:
+            self._lead(int(b))
+
+    def _lead(self, b: int) -> None:
+        """Say who answers for the learner's pieces on their way; a demo bot leads its own."""
+        if not self.demos[b]:
+            self.arena.set_lower(b, int(self.camps[b]), self.lower)
 
     def look(self, which: Games) -> Obs:
         """Fill the present buffers for these games; the observation of all of them."""
@@ -107,14 +121,14 @@ class TaskGames:
             ConfigError: they are no whole numbers, or of another shape.
         """
         check_actions(actions, self.sight.rows.shape[:2])
-        before, start = self.margins(), self.arena.state.games.tick.astype(np.int64)
+        before, start = self.scores(), self.arena.state.games.tick.astype(np.int64)
         shown, learns = self.all[self.demos], self.all[~self.demos]
         illegal = np.zeros(self.n_games, np.int64)
         illegal[learns] = self.arena.choose(learns, learns, self.camps[learns], actions[learns], self.sight)
         demo = self._show(shown)
         self._advance(self.all)
         return Span(
-            reward=(self.margins() - before).astype(np.float32),
+            reward=(self.scores() - before).astype(np.float32),
             over=self.arena.over(self.all),
             ticks=self.arena.state.games.tick - start,
             illegal=illegal,
@@ -137,14 +151,22 @@ class TaskGames:
         same = (obs["tasks"][..., _UNDER_WAY] > 0) & (obs["action_mask"] != 0)
         return np.where(same.any(axis=-1), same.argmax(axis=-1), -1)
 
-    def margins(self) -> NDArray[np.int64]:
-        """The learner's true margin in every game, points [n]."""
-        return self.arena.margins(self.all, self.camps)
+    def scores(self) -> NDArray[np.int64]:
+        """What the reward is the gain of, points [n]: the learner's true margin, or own minus enemy.
+
+        The choice changes the reward alone, never what a camp observes: a policy that learned by the one
+        plays games that are counted by the other.
+        """
+        margins = self.arena.margins(self.all, self.camps)
+        if self.settings.reward == "net" and not self.arena.world.scenario.net_score:
+            return margins + self.arena.green_points(self.all)
+        return margins
 
     def snapshot(self) -> Snapshot:
         """Everything that changes in play, as arrays without objects."""
         counters = np.array([self._seed, self._next_episode], np.int64)
-        return {**self.arena.snapshot(), **self._slots(), "counters": counters, "origin": self._origin()}
+        slots = {name: array.copy() for name, array in self._slots().items()}
+        return {**self.arena.snapshot(), **slots, "counters": counters, "origin": self._origin()}
 
     def restore(self, snapshot: Snapshot) -> Obs:
         """Go on where `snapshot` was taken, in an env of the same settings; the observation there.
@@ -161,6 +183,7 @@ class TaskGames:
         for b in self.all:
             for camp, seat in enumerate(self._seats(int(b))):
                 self.arena.sit(int(b), camp, seat)
+            self._lead(int(b))
         self.arena.restore(snapshot)
         return self.look(self.all)
 
@@ -192,7 +215,8 @@ class TaskGames:
         if rng.random() >= self.warm_start or self.demos[b]:
             return
         arena, camp, step = self.arena, int(self.camps[b]), self.settings.decision_ticks
-        send_out(camp, arena.state.games[b], arena.state.pieces[b], arena.plans[b], arena.world, rng)
+        game, pieces, plans = arena.state.games[b], arena.state.pieces[b], arena.plans[b]
+        send_out(camp, game, pieces, plans, arena.world, self.settings.spots, rng)
         arena.drives[b].due[camp], arena.drives[b].fresh[camp] = 0, 1
         arena.drives[b].period[camp] = max(1, WARM_TICKS // step) * step
         self._advance(np.array([b]))
@@ -236,7 +260,7 @@ def setup_of(settings: TaskSettings) -> Setup:
     return Setup(
         decision_ticks=(settings.decision_ticks, settings.decision_ticks),
         early=settings.decisions == "event",
-        net_score=settings.reward == "net",
+        spots=settings.spots,
         fog=settings.fog,
     )
 

@@ -6,17 +6,16 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from gymnasium import Wrapper
 from numpy.typing import NDArray
-from stable_baselines3.common.vec_env import VecEnv
-from stable_baselines3.common.vec_env.base_vec_env import VecEnvIndices, VecEnvStepReturn
+from stable_baselines3.common.vec_env.base_vec_env import VecEnvStepReturn
 
+from hexwar_sb3.envs.native_vec_env import NativeVecEnv
 from hexwar_sb3.envs.settings import TaskSettings, check_share
 from hexwar_sb3.envs.task_games import Obs, Span, TaskGames, action_space, observation_space
 from hexwar_sb3.play.arena import Snapshot
 
 
-class TaskVecEnv(VecEnv):
+class TaskVecEnv(NativeVecEnv):
     """All games are stepped in one call; ended ones start anew.
 
     The arrays of an observation are reused by the step after the next: copy what must stay.
@@ -27,11 +26,8 @@ class TaskVecEnv(VecEnv):
         seed: of the episodes.
     """
 
-    render_mode: str | None = None
-
     def __init__(self, n_envs: int, settings: TaskSettings, seed: int = 0) -> None:
         self.games = TaskGames(n_envs, settings, seed)
-        self._actions: NDArray[Any] | None = None
         sight = self.games.sight
         super().__init__(n_envs, observation_space(sight), action_space(sight))
 
@@ -39,10 +35,6 @@ class TaskVecEnv(VecEnv):
         """Start the next episode in every slot."""
         self.games.begin(self.games.all)
         return self.games.look(self.games.all)
-
-    def step_async(self, actions: NDArray[Any]) -> None:
-        """Remember the actions, task indices [n, N]."""
-        self._actions = actions
 
     def step_wait(self) -> VecEnvStepReturn:
         """Play one decision of every game."""
@@ -85,6 +77,10 @@ class TaskVecEnv(VecEnv):
         """Share of the episodes, from the next ones on, that begin near the hot spots."""
         self.games.warm_start = check_share("warm_start", share)
 
+    def set_lower(self, lower: object) -> None:
+        """Another lower level for the learner's pieces: "heuristic", a folder, a network, or a callable."""
+        self.games.set_lower(lower)
+
     def snapshot(self) -> Snapshot:
         """Everything that changes in play, as arrays that `np.savez` takes."""
         return self.games.snapshot()
@@ -92,29 +88,3 @@ class TaskVecEnv(VecEnv):
     def restore(self, snapshot: Snapshot) -> Obs:
         """Go on where `snapshot` was taken, in an env of the same settings; the observation there."""
         return self.games.restore(snapshot)
-
-    def get_attr(self, attr_name: str, indices: VecEnvIndices = None) -> list[Any]:
-        """The attribute of this env, once for each game asked for."""
-        value = getattr(self, attr_name)
-        return [value for _ in self._get_indices(indices)]
-
-    def set_attr(self, attr_name: str, value: Any, indices: VecEnvIndices = None) -> None:
-        """Set an attribute of the whole env."""
-        setattr(self, attr_name, value)
-
-    def env_method(
-        self, method_name: str, *method_args: Any, indices: VecEnvIndices = None, **method_kwargs: Any
-    ) -> list[Any]:
-        """Call a method of this env once; an array over all games is handed out by rows."""
-        result = getattr(self, method_name)(*method_args, **method_kwargs)
-        by_game = isinstance(result, np.ndarray) and len(result) == self.num_envs
-        return [result[b] if by_game else result for b in self._get_indices(indices)]
-
-    def env_is_wrapped(
-        self, wrapper_class: type[Wrapper[Any, Any, Any, Any]], indices: VecEnvIndices = None
-    ) -> list[bool]:
-        """No game has a wrapper of its own."""
-        return [False for _ in self._get_indices(indices)]
-
-    def close(self) -> None:
-        """Nothing to release."""

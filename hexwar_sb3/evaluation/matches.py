@@ -15,6 +15,7 @@ from hexwar_sb3.maps.scenario import Scenario
 from hexwar_sb3.play.match import MatchGames, play_games
 from hexwar_sb3.play.records import DECISION_TICKS
 from hexwar_sb3.rules.enums import Camp
+from hexwar_sb3.tasks.spots import SPOTS
 
 
 def play_match(
@@ -26,6 +27,8 @@ def play_match(
     *,
     purpose: Purpose = Purpose.REPORT,
     decision_ticks: int = DECISION_TICKS,
+    spots: int = SPOTS,
+    early: bool = False,
     progress: Callable[[int], object] | None = None,
 ) -> MatchResult:
     """Play games between two players and count.
@@ -38,6 +41,8 @@ def play_match(
         seed: in 0..999999.
         purpose: shifts the seed into the range that this kind of games has for itself.
         decision_ticks: ticks between two decisions of a policy.
+        spots: k of G^L(k), the cells that tasks lead to.
+        early: policies also decide after an own loss or an ended task.
         progress: called with the number of games played so far, now and then.
 
     Raises:
@@ -49,7 +54,15 @@ def play_match(
     """
     check_games(games)
     outcome = play_games(
-        red, blue, games, scenario, seed_for(purpose, seed), decision_ticks=decision_ticks, progress=progress
+        red,
+        blue,
+        games,
+        scenario,
+        seed_for(purpose, seed),
+        decision_ticks=decision_ticks,
+        spots=spots,
+        early=early,
+        progress=progress,
     )
     return MatchResult(
         red_name=player_name(red),

@@ -13,6 +13,7 @@ from hexwar_sb3.evaluation.results import CampResult, MatchResult
 from hexwar_sb3.evaluation.seeds import Purpose, seed_for
 from hexwar_sb3.play.recording import record_game
 from hexwar_sb3.play.records import DECISION_TICKS
+from hexwar_sb3.tasks.spots import SPOTS
 
 CAMPS = ("red", "blue")
 CONSTANT_PLANS = ("all-main", "half-half", "two-hold")
@@ -30,6 +31,8 @@ class Terms:
     seed: int = 0  # the user's, shifted into the range of the purpose
     purpose: Purpose = Purpose.REPORT
     decision_ticks: int = DECISION_TICKS  # between two decisions of a policy
+    spots: int = SPOTS  # k of G^L(k)
+    early: bool = False  # policies also decide after an own loss or an ended task
     camps: tuple[str, ...] = CAMPS  # that the player takes
 
     def __post_init__(self) -> None:
@@ -52,12 +55,19 @@ class Terms:
             self.seed,
             purpose=self.purpose,
             decision_ticks=self.decision_ticks,
+            spots=self.spots,
+            early=self.early,
         )
 
     def record(self, red: object, blue: object) -> Replay:
         """Play the first game of a cell and write it down."""
         seed = seed_for(self.purpose, self.seed)
-        return record_game(red, blue, self.scenario, seed, decision_ticks=self.decision_ticks)
+        how: dict[str, Any] = {
+            "decision_ticks": self.decision_ticks,
+            "spots": self.spots,
+            "early": self.early,
+        }
+        return record_game(red, blue, self.scenario, seed, **how)
 
 
 @dataclass(frozen=True, eq=False)

@@ -20,11 +20,15 @@ from hexwar_sb3.errors import ConfigError
 from hexwar_sb3.kernels import Rows, kernel
 from hexwar_sb3.play.demos import name_plans
 from hexwar_sb3.play.drive import advance_until_decision
-from hexwar_sb3.play.look import Sight, choose_batch, look_batch
+from hexwar_sb3.play.look import Sight, choose_batch, look_batch, observe_routes
+from hexwar_sb3.play.lower import HEURISTIC, KEPT, LOWER_NET, tell_pieces
+from hexwar_sb3.play.lower_policy import HEURISTIC_LOWER, Answerer, FrozenLower, Lower, check_answers
 from hexwar_sb3.play.player import BotPlayer, Player, Seat
 from hexwar_sb3.play.records import DECISION_TICKS, DRIVE, EXTERNAL
+from hexwar_sb3.rules.enums import Camp
 from hexwar_sb3.tasks.choose import clear_plans, new_plans
-from hexwar_sb3.tasks.spots import load_spots
+from hexwar_sb3.tasks.route import N_ANSWERS, new_route_buffers
+from hexwar_sb3.tasks.spots import SPOTS, load_spots
 
 Games = NDArray[np.int64]  # indices of games in the batch, [n]
 Snapshot = dict[str, NDArray[Any]]
@@ -36,7 +40,7 @@ class Setup:
 
     decision_ticks: tuple[int, int] = (DECISION_TICKS, DECISION_TICKS)  # [camp]
     early: bool = False  # also decide after an own loss or an ended task
-    net_score: bool = False  # margin without green's points; else eq. (1)
+    spots: int = SPOTS  # k of G^L(k)
     fog: bool = True  # False: lights on, for debugging
 
 
@@ -56,8 +60,11 @@ class Arena:
         self.players: list[list[Player | None]] = [[None, None] for _ in range(n_games)]
         self._start = _start(world, setup)
         self._sights: dict[int, Sight] = {}
+        self.nets = np.zeros(1, LOWER_NET).view(np.recarray)  # that drives.lower names
+        self._net_numbers: dict[FrozenLower, int] = {}
+        self._answerers: dict[tuple[int, int], Answerer] = {}  # (game, camp) -> who answers outside the loop
         self.atlas = make_atlas(world)
-        self._spots = load_spots(world)
+        self._spots = load_spots(world, setup.spots)
 
     def begin(self, b: int, seed: int, red: Seat | None, blue: Seat | None) -> None:
         """Put game b back to tick 0 with a seed for its dice, and seat its two players."""
@@ -78,6 +85,49 @@ class Arena:
         self.drives[b].asked[camp] = self.drives[b].due[camp] = not bot
         self.players[b][camp] = None if isinstance(seat, BotPlayer) else seat
 
+        self.set_lower(b, camp, getattr(seat, "lower", HEURISTIC_LOWER))
+
+    def set_lower(self, b: int, camp: int, lower: Lower) -> None:
+        """Say who answers for a camp's pieces on their way: "heuristic", a network, or any callable."""
+        pieces = np.uint32(_bits(self.world.side(camp)))
+        self.drives[b].lower[camp] = HEURISTIC
+        if self._answerers.pop((b, camp), None) is not None:
+            self.drives[b].outside &= ~pieces
+        if isinstance(lower, FrozenLower):
+            self.drives[b].lower[camp] = 1 + self._number(lower)
+        elif callable(lower):
+            self._answerers[b, camp] = lower
+            self.drives[b].outside |= pieces
+
+    def keep_answers(self, which: Games, camps: NDArray[np.int64], answers: NDArray[Any]) -> None:
+        """Let the pieces of camp camps[k] in game which[k] keep answers[k], until illegal or given anew.
+
+        Args:
+            answers: 0 stay and perform, or 1 + a direction in the camp's frame [n, N].
+
+        Raises:
+            ConfigError: they are none, or of another shape.
+        """
+        check_actions(answers, (len(which), len(self.world.piece_names(int(camps[0])))))
+        if ((answers < 0) | (answers >= N_ANSWERS)).any():
+            raise ConfigError(f"answers must be in 0..{N_ANSWERS - 1}, got {answers.tolist()}")
+        for b, camp, kept in zip(which, camps, answers, strict=True):
+            self.drives[b].lower[camp] = KEPT
+            self.drives[b].kept[self.world.side(int(camp))] = kept
+
+    def lead_outside(self, b: int, pieces: Iterable[int]) -> None:
+        """Let the caller answer for these pieces of game b, and for no others: `advance` stops where they ask."""
+        self.drives[b].outside = np.uint32(sum(1 << i for i in pieces))
+        self.drives[b].waiting &= self.drives[b].outside
+
+    def _number(self, lower: FrozenLower) -> int:
+        """Row of a network in `nets`; a new one is put there."""
+        if lower not in self._net_numbers:
+            number = self._net_numbers[lower] = len(self._net_numbers)
+            self.nets = np.resize(self.nets, max(len(self.nets), number + 1)).view(np.recarray)
+            self.nets[number] = lower.record()
+        return self._net_numbers[lower]
+
     def due(self, which: Games, camps: NDArray[np.int64] | int) -> NDArray[np.bool_]:
         """Whether camp camps[k] of game which[k] is to decide now, [n]."""
         return self.drives.due[which, camps] == 1
@@ -87,12 +137,54 @@ class Arena:
         return self.state.games.over[which] == 1
 
     def advance(self, which: Games) -> None:
-        """Play each game to its next decision or its end."""
+        """Play each game to its next decision or its end, or until a piece waits for an answer of the caller."""
+        while which.size:
+            self._drive(which)
+            which = self.answer(which)
+
+    def answer(self, which: Games) -> Games:
+        """Let the callables among the lower levels answer for the pieces that wait; the games that go on by it."""
+        if not self._answerers:
+            return which[:0]
+        asked: dict[Answerer, list[tuple[int, int]]] = {}
+        for b in which[self.drives.waiting[which] != 0].tolist():
+            for camp in range(2):
+                if (b, camp) in self._answerers:
+                    pairs = [(b, int(i)) for i in self.waiting(b, camp)]
+                    asked.setdefault(self._answerers[b, camp], []).extend(pairs)
+        for answerer, pairs in asked.items():
+            games, pieces = np.array(pairs, np.int64).reshape(-1, 2).T.copy()
+            states, masks = self.look_routes(games, pieces, ways=True)
+            self.tell(games, pieces, check_answers(answerer(states, masks), masks))
+        return np.unique([b for pairs in asked.values() for b, _ in pairs]).astype(np.int64)
+
+    def waiting(self, b: int, camp: int) -> NDArray[np.int64]:
+        """Pieces of a camp that wait for an answer in game b."""
+        side = self.world.side(camp)
+        pieces = np.arange(side.start, side.stop)
+        return pieces[(int(self.drives[b].waiting) >> pieces) & 1 == 1]
+
+    def look_routes(
+        self, which: Games, pieces: NDArray[np.int64], *, ways: bool
+    ) -> tuple[NDArray[np.float32], NDArray[np.int8]]:
+        """What the lower level reads of piece pieces[k] in game which[k]: states [n, Dl] and masks [n, 7]."""
+        states, masks = new_route_buffers(len(which))
+        world, state = self.world, self.state
+        observe_routes(
+            which, pieces, ways, state.pieces, self.plans, world.rules, world.cells, world.eta, states, masks
+        )
+        return states, masks
+
+    def tell(self, which: Games, pieces: NDArray[np.int64], answers: NDArray[np.int64]) -> None:
+        """Give the answer answers[k], in the camp's frame, to piece pieces[k] of game which[k], which waits."""
+        tell_pieces(which, pieces, answers, self.drives, self.state.games, self.state.pieces, self.plans)
+
+    def _drive(self, which: Games) -> None:
         world, state = self.world, self.state
         advance_until_decision(
             which, self.drives, state.games, state.pieces, state.memory, state.paths, state.rounds,
             state.orders, state.log, self.plans, self.brains,
-            world.rules, world.cells, world.los, world.eta, self.atlas,
+            world.rules, world.cells, world.los, world.eta, self.atlas, self.nets,
         )  # fmt: skip
 
     def look(self, slots: Games, which: Games, camps: NDArray[np.int64], sight: Sight) -> None:
@@ -142,6 +234,8 @@ class Arena:
         self.look(slots, which, camps, sight)
         actions = player.act({key: value[: len(which)] for key, value in sight.obs.items()})
         self.choose(slots, which, camps, actions, sight)
+        if hasattr(player, "answers"):
+            self.keep_answers(which, camps, player.answers)
 
     def _sight_for(self, camp: int) -> Sight:
         if camp not in self._sights:
@@ -161,6 +255,12 @@ class Arena:
         margins_of(which, camps, self.state.games, self.state.pieces, self.world.rules, out)
         return out
 
+    def green_points(self, which: Games) -> NDArray[np.int64]:
+        """Value of the control points that nobody has taken yet in each game, points [n]."""
+        games = self.state.games[which]
+        used = np.arange(games.point_owner.shape[1]) < games.n_points[:, None]
+        return np.where(used & (games.point_owner == Camp.GREEN), games.point_value, 0).sum(axis=1)
+
     def wins(self, which: Games, camps: NDArray[np.int64]) -> NDArray[np.float64]:
         """1 where camp camps[k] has the larger margin in game which[k], 0.5 where they are equal, [n]."""
         lead = np.sign(self.margins(which, camps) - self.margins(which, 1 - camps))
@@ -175,13 +275,20 @@ class Arena:
         return {name: array.copy() for name, array in self._arrays().items()}
 
     def restore(self, snapshot: Snapshot) -> None:
-        """Put back what `snapshot` took; the players must be seated again first."""
+        """Put back what `snapshot` took; the players must be seated again first, with their lower levels."""
+        lower = self.drives.lower.copy()  # numbers of networks are this arena's own
         for name, array in self._arrays().items():
             array[...] = snapshot[name]
+        self.drives.lower = np.where(self.drives.lower == KEPT, KEPT, lower)
 
     def _arrays(self) -> Snapshot:
         state = {field.name: getattr(self.state, field.name) for field in fields(State)}
         return {**state, "plans": self.plans, "brains": self.brains, "drives": self.drives}
+
+
+def _bits(side: slice) -> int:
+    """Bit mask of the pieces of a side."""
+    return (1 << side.stop) - (1 << side.start)
 
 
 def check_actions(actions: object, expected: tuple[int, ...]) -> None:
@@ -201,7 +308,7 @@ def _start(world: World, setup: Setup) -> State:
     """Tick 0 of every game of an arena."""
     state = new_state(world, 1)
     game, pieces, memory, paths, *_ = state.game(0)
-    game.net_score, game.fog = setup.net_score, setup.fog
+    game.fog = setup.fog
     remember(game, pieces, memory, paths, world.cells)
     return state
 

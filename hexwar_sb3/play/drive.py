@@ -11,8 +11,9 @@ from hexwar_sb3.engine.codes import Code
 from hexwar_sb3.engine.step import has_orders, next_due, process, set_tick
 from hexwar_sb3.kernels import Row, Rows, kernel
 from hexwar_sb3.play.execute import execute_tasks
+from hexwar_sb3.play.lower import HEURISTIC, answer_pieces
 from hexwar_sb3.play.news import has_news
-from hexwar_sb3.play.records import EARLY_TICKS, EXTERNAL
+from hexwar_sb3.play.records import EARLY_TICKS, EXTERNAL, JUMPED, STEPS, WAITS
 from hexwar_sb3.rules.enums import Action
 from hexwar_sb3.tasks.known import end_piece, first_piece
 from hexwar_sb3.tasks.records import ENDED, TaskKind
@@ -58,11 +59,14 @@ def count_done(drive: Row, game: Row, pieces: Rows, orders: Rows) -> None:
 @kernel
 def act(
     drive: Row, game: Row, pieces: Rows, memory: Rows, paths: Rows, rounds: Rows, orders: Rows,
-    plans: Rows, brains: Rows, rules: Row, cells: Rows, los: Rows, eta: Rows, atlas: Row,
-) -> None:  # fmt: skip
+    plans: Rows, brains: Rows, rules: Row, cells: Rows, los: Rows, eta: Rows, atlas: Row, nets: Rows,
+) -> bool:  # fmt: skip
     """Let the camps whose turn it is fill `orders`: bots think first, then tasks become orders.
 
     It is a camp's turn when a step brought it news, when it has just decided, or when its bot wakes.
+
+    Returns:
+        False if a piece waits for an answer from outside: the loop stops, and comes back to this very state.
     """
     for camp in range(2):
         stepped = game.tick == drive.stepped_at
@@ -76,7 +80,14 @@ def act(
                 rules, cells, los, eta, atlas,
             )  # fmt: skip
             drive.wake_at[camp] = next_thought(brains[camp], game.tick)
+        elif drive.lower[camp] != HEURISTIC or drive.outside != 0:
+            if not answer_pieces(
+                camp, drive, game, pieces, memory, plans, rules, cells, los, eta, nets
+            ):  # fmt: skip
+                drive.fresh[camp] = 1
+                return False
         execute_tasks(camp, game, pieces, memory, paths, rounds, orders, plans, rules, cells, los, eta)
+    return True
 
 
 @kernel
@@ -113,16 +124,17 @@ def note_due(drive: Row, game: Row, plans: Rows) -> bool:
 
 
 @kernel
-def wants_step(
-    until: int, drive: Row, game: Row, pieces: Rows, memory: Rows, paths: Rows, rounds: Rows,
-    orders: Rows, plans: Rows, brains: Rows, rules: Row, cells: Rows, los: Rows, eta: Rows, atlas: Row,
-) -> bool:  # fmt: skip
-    """Let the camps act; False if nobody ordered anything and the clock jumped instead, at most to `until`."""
-    act(
+def take_turn(
+    until: int, drive: Row, game: Row, pieces: Rows, memory: Rows, paths: Rows, rounds: Rows, orders: Rows,
+    plans: Rows, brains: Rows, rules: Row, cells: Rows, los: Rows, eta: Rows, atlas: Row, nets: Rows,
+) -> int:  # fmt: skip
+    """Let the camps act; STEPS if a step is to be made, JUMPED if the clock moved (at most to `until`), or WAITS."""
+    if not act(
         drive, game, pieces, memory, paths, rounds, orders, plans, brains,
-        rules, cells, los, eta, atlas,
-    )  # fmt: skip
-    return has_orders(orders) or not jump(until, drive, game, pieces, rounds)
+        rules, cells, los, eta, atlas, nets,
+    ):  # fmt: skip
+        return WAITS
+    return JUMPED if not has_orders(orders) and jump(until, drive, game, pieces, rounds) else STEPS
 
 
 @kernel
@@ -140,15 +152,18 @@ def make_step(
 @kernel
 def advance_game(
     drive: Row, game: Row, pieces: Rows, memory: Rows, paths: Rows, rounds: Rows, orders: Rows, log: Rows,
-    plans: Rows, brains: Rows, rules: Row, cells: Rows, los: Rows, eta: Rows, atlas: Row,
+    plans: Rows, brains: Rows, rules: Row, cells: Rows, los: Rows, eta: Rows, atlas: Row, nets: Rows,
 ) -> None:  # fmt: skip
-    """Play one game until an asked camp is to decide, or to the end."""
+    """Play one game until an asked camp is to decide, a piece waits for an answer, or the end."""
     until = next_decision(drive, game)
     while game.over == 0 and game.tick < until:
-        if wants_step(
+        turn = take_turn(
             until, drive, game, pieces, memory, paths, rounds, orders, plans, brains,
-            rules, cells, los, eta, atlas,
-        ):  # fmt: skip
+            rules, cells, los, eta, atlas, nets,
+        )  # fmt: skip
+        if turn == WAITS:
+            return
+        if turn == STEPS:
             make_step(drive, game, pieces, memory, paths, rounds, orders, log, rules, cells, los)
             if note_due(drive, game, plans):
                 return
@@ -159,16 +174,17 @@ def advance_game(
 def advance_until_decision(
     which: Rows, drives: Rows, games: Rows, pieces: Rows, memory: Rows, paths: Rows, rounds: Rows,
     orders: Rows, log: Rows, plans: Rows, brains: Rows, rules_array: Rows, cells: Rows, los: Rows,
-    eta: Rows, atlas_array: Rows,
+    eta: Rows, atlas_array: Rows, nets: Rows,
 ) -> None:  # fmt: skip
-    """Play each of the games `which` until its next decision or its end.
+    """Play each of the games `which` until its next decision, a piece that waits for an answer, or its end.
 
     Args:
         which: games to play, [n] indices of the batch.
         drives: [B] DRIVE; then the batch arrays of the engine, [B, ...], and the world's.
+        nets: LOWER_NET records that drive.lower names.
     """
     for b in which:
         advance_game(
             drives[b], games[b], pieces[b], memory[b], paths[b], rounds[b], orders[b], log[b],
-            plans[b], brains[b], rules_array[0], cells, los, eta, atlas_array[0],
+            plans[b], brains[b], rules_array[0], cells, los, eta, atlas_array[0], nets,
         )  # fmt: skip

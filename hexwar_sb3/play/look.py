@@ -7,13 +7,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from hexwar_sb3.engine.records import NEVER
 from hexwar_sb3.engine.world import World
 from hexwar_sb3.kernels import Row, Rows, kernel
+from hexwar_sb3.maps.cells import NO_CELL
 from hexwar_sb3.play.drive import ended_tasks
 from hexwar_sb3.tasks.choose import choose_tasks
 from hexwar_sb3.tasks.features import Sizes, sizes
 from hexwar_sb3.tasks.observe import global_state, observe
 from hexwar_sb3.tasks.records import MAX_TASKS, TASK
+from hexwar_sb3.tasks.route import STAY, observe_route
 from hexwar_sb3.tasks.sets import list_tasks
 
 
@@ -130,3 +133,34 @@ def note_decision(camp: int, drive: Row, game: Row, plans: Rows) -> None:
     drive.fresh[camp] = 1
     drive.decided_at[camp] = game.tick
     drive.ended[camp] = ended_tasks(camp, game, plans)
+
+
+@kernel
+def observe_routes(
+    which: Rows, numbers: Rows, ways: bool, pieces: Rows, plans: Rows, rules_array: Rows, cells: Rows, eta: Rows,
+    states: Rows, masks: Rows,
+) -> None:  # fmt: skip
+    """Write what the lower level reads of piece numbers[k] in game which[k], on its way to `plan.goal`.
+
+    Of a piece under way it is what it will read where it is about to arrive.
+
+    Args:
+        which, numbers: [n].
+        states: out, [n, Dl]; masks: out, [n, 7].
+    """
+    for k in range(which.size):
+        piece, plan = pieces[which[k], numbers[k]], plans[which[k], numbers[k]]
+        cell = heading(piece, plan, cells)
+        goal = plan.goal if plan.goal != NO_CELL else cell
+        observe_route(
+            piece.kind, piece.camp, plan.kind, cell, goal, ways, rules_array[0], cells, eta,
+            states[k], masks[k],
+        )  # fmt: skip
+
+
+@kernel
+def heading(piece: Row, plan: Row, cells: Rows) -> int:
+    """The cell that a piece is about to enter, by its last answer; else the one where it stands."""
+    if piece.arrives_at == NEVER or plan.direction == STAY:
+        return int(piece.cell)
+    return int(cells[piece.cell].neighbour[plan.direction - 1])

@@ -17,6 +17,7 @@ from hexwar_sb3.play.player import Player, Seat, make_player
 from hexwar_sb3.play.records import DECISION_TICKS, DRIVE
 from hexwar_sb3.play.seeds import check_seed, game_seed
 from hexwar_sb3.rules.enums import Camp
+from hexwar_sb3.tasks.spots import SPOTS
 
 BATCH_GAMES = 64  # played together; no result depends on it
 
@@ -48,6 +49,8 @@ def play_games(
     seed: int = 0,
     *,
     decision_ticks: int | tuple[int, int] = DECISION_TICKS,
+    spots: int = SPOTS,
+    early: bool = False,
     progress: Callable[[int], object] | None = None,
 ) -> MatchGames:
     """Play games 0..games-1 of a seed; game k is the same game in every match with these players.
@@ -58,13 +61,17 @@ def play_games(
         scenario: name, file or object.
         seed: of the match.
         decision_ticks: between decisions, of both camps or of (red, blue); bots have their own.
+        spots: k of G^L(k), the cells that tasks lead to.
+        early: policies also decide after an own loss or an ended task.
         progress: called with the number of games that have ended, now and then.
     """
     check_seed(seed)
     check_whole("games", games, least=0)
     pair = decision_ticks if isinstance(decision_ticks, tuple) else (decision_ticks, decision_ticks)
     seats = make_player(red), make_player(blue)
-    arena = Arena(load_world(scenario), min(games, BATCH_GAMES), Setup(decision_ticks=pair))
+    arena = Arena(
+        load_world(scenario), min(games, BATCH_GAMES), Setup(decision_ticks=pair, spots=spots, early=early)
+    )
     results = _empty(games, len(arena.world.scenario.points))
     for first in range(0, games, BATCH_GAMES):
         which = np.arange(min(BATCH_GAMES, games - first))

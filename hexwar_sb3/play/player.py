@@ -13,7 +13,9 @@ from numpy.typing import NDArray
 
 from hexwar_sb3.bots.registry import BOTS
 from hexwar_sb3.errors import ConfigError, PolicyFileError, UnknownNameError
+from hexwar_sb3.play.flat import FlatPlayer, is_flat
 from hexwar_sb3.play.frozen import FrozenPolicy
+from hexwar_sb3.play.lower_policy import HEURISTIC_LOWER, Lower
 from hexwar_sb3.rules.ruleset import default_rules
 
 Observation: TypeAlias = Mapping[str, NDArray[Any]]
@@ -25,7 +27,12 @@ _OPPONENT_STREAM = 1  # keeps the draw of opponents apart from every other draw 
 
 @runtime_checkable
 class Player(Protocol):
-    """Picks a task for every piece of a camp, for many games at once."""
+    """Picks a task for every piece of a camp, for many games at once.
+
+    Two attributes may say who leads the pieces on their way, if not the heuristic: `lower`, a lower level;
+    or `answers` [games, pieces] beside the last tasks, 0 stay and perform or 1 + a direction in the camp's
+    frame, which each piece keeps until it is illegal or the next decision (`FlatPlayer`).
+    """
 
     def reset(self) -> None:
         """Forget everything: new games begin."""
@@ -47,6 +54,11 @@ class ModelPlayer:
     """Any object with Stable-Baselines3's `predict`, playing greedily."""
 
     model: Any
+
+    @property
+    def lower(self) -> Lower:
+        """The model's own lower level, if it has one."""
+        return cast("Lower", getattr(getattr(self.model, "policy", None), "lower", HEURISTIC_LOWER))
 
     def reset(self) -> None:
         """Nothing to forget: recurrent models are not supported."""
@@ -81,6 +93,8 @@ Seat: TypeAlias = BotPlayer | Player
 def make_player(player: object) -> Seat:
     """Turn a bot's name, a policy or run folder, or an object with `act` or `predict` into a player.
 
+    A model that observes one vector is one of the flat env.
+
     Raises:
         UnknownNameError: neither a bot nor a folder has this name.
         PolicyFileError: the folder is broken, or was trained under other rules.
@@ -101,7 +115,7 @@ def make_player(player: object) -> Seat:
     if hasattr(player, "act"):
         return ActingPlayer(player)
     if hasattr(player, "predict"):
-        return ModelPlayer(player)
+        return FlatPlayer(player) if is_flat(player) else ModelPlayer(player)
     raise ConfigError(f"a player is a name, a folder, or has act() or predict(); got {player!r}")
 
 

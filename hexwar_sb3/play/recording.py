@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
+
 from hexwar_sb3.engine.game import LOG_ROWS
 from hexwar_sb3.engine.record import Recorder
 from hexwar_sb3.engine.replay import PlayerName, Replay
@@ -11,10 +13,11 @@ from hexwar_sb3.engine.state import new_state
 from hexwar_sb3.engine.world import load_world
 from hexwar_sb3.maps.scenario import Scenario
 from hexwar_sb3.play.arena import Arena, Setup
-from hexwar_sb3.play.drive import make_step, next_decision, note_due, wants_step
+from hexwar_sb3.play.drive import make_step, next_decision, note_due, take_turn
 from hexwar_sb3.play.player import BotPlayer, Seat, make_player
-from hexwar_sb3.play.records import DECISION_TICKS
+from hexwar_sb3.play.records import DECISION_TICKS, STEPS, WAITS
 from hexwar_sb3.play.seeds import check_seed, game_seed
+from hexwar_sb3.tasks.spots import SPOTS
 
 
 def record_game(
@@ -25,6 +28,8 @@ def record_game(
     *,
     episode: int = 0,
     decision_ticks: int = DECISION_TICKS,
+    spots: int = SPOTS,
+    early: bool = False,
 ) -> Replay:
     """Play one game and write it down; it is the game that `play_games` plays as its number `episode`.
 
@@ -35,9 +40,11 @@ def record_game(
         seed: of the match.
         episode: number of the game.
         decision_ticks: ticks between two decisions of a policy.
+        spots: k of G^L(k), the cells that tasks lead to.
+        early: policies also decide after an own loss or an ended task.
     """
     world = load_world(scenario)
-    arena = Arena(world, 1, Setup(decision_ticks=(decision_ticks, decision_ticks)))
+    arena = Arena(world, 1, Setup(decision_ticks=(decision_ticks, decision_ticks), spots=spots, early=early))
     arena.state = new_state(world, 1, LOG_ROWS)
     seats = make_player(red), make_player(blue)
     dice_seed = game_seed(check_seed(seed), episode)
@@ -46,6 +53,7 @@ def record_game(
     while not arena.state.games[0].over:
         arena.ask([0])
         _advance(arena, recorder)
+        arena.answer(np.zeros(1, np.int64))
     return Replay.recorded(recorder, arena.state, 0, dice_seed, _name(red, seats[0]), _name(blue, seats[1]))
 
 
@@ -57,10 +65,13 @@ def _advance(arena: Arena, recorder: Recorder) -> None:
     rules, atlas = world.rules[0], arena.atlas[0]
     until = next_decision(drive, game)
     while not game.over and game.tick < until:
-        if wants_step(
+        turn = take_turn(
             until, drive, game, pieces, memory, paths, rounds, orders, plans, brains,
-            rules, world.cells, world.los, world.eta, atlas,
-        ):  # fmt: skip
+            rules, world.cells, world.los, world.eta, atlas, arena.nets,
+        )  # fmt: skip
+        if turn == WAITS:
+            return
+        if turn == STEPS:
             recorder.before_step(state, 0)
             make_step(drive, game, pieces, memory, paths, rounds, orders, log, rules, world.cells, world.los)
             recorder.after_step(state, 0)

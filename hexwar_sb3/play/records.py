@@ -11,6 +11,12 @@ DECISION_TICKS = 75  # Delta-t of the paper (IV); a setting, not a rule
 EARLY_TICKS = 15  # least time between a decision and an early one
 EXTERNAL = 255  # seat: somebody outside the loop picks this camp's tasks; else a bot's id
 
+WAITS, JUMPED, STEPS = (
+    0,
+    1,
+    2,
+)  # what a turn of the loop came to: somebody must answer, the clock moved, a step
+
 DRIVE = np.dtype(
     [
         ("seat", "u1", (2,)),  # [camp] EXTERNAL or a bot's id
@@ -23,6 +29,10 @@ DRIVE = np.dtype(
         ("ended", "u4", (2,)),  # [camp] bit i: piece i's task had ended before that decision
         ("wake_at", "i2", (2,)),  # [camp] tick at which a bot acts even without news
         ("known", "i8", (2,)),  # [camp] fingerprint of what it knew when it last looked (news.py)
+        ("lower", "i2", (2,)),  # [camp] who answers its pieces on their way: play/lower.py
+        ("kept", "i1", (MAX_PIECES,)),  # answer that a piece keeps, where `lower` is KEPT
+        ("outside", "u4"),  # bit i: somebody outside the loop answers for piece i
+        ("waiting", "u4"),  # bit i: piece i waits for that answer now
         ("stepped_at", "i2"),  # tick of the state that the last step made
         ("given", "u1", (MAX_PIECES,)),  # Action given to each piece in the step under way
         ("actions", "i4", (2, len(Action))),  # [camp, Action] orders carried out so far

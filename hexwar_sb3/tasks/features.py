@@ -26,6 +26,8 @@ PER_ATTACK = 1 / 10  # attack levels
 PER_TIMER = 1 / 75  # ticks of a timer
 PER_WAY = 1 / 900  # ticks of travel
 PER_GAME = 1 / 1800  # ticks of a game; age of what was seen
+PER_HOP = 1 / 125  # base hops of a way: ticks of a hop of that type on open ground; at most 250
+PER_DETOUR = 1 / 5  # base hops lost on a way
 PER_AGE = 1 / 300  # ticks in which what was seen loses its worth (bots.md, section 1)
 MOST = 2.0  # scaled ways and ages are cut off here
 BOUND = 16.0  # of every number; steep maps and rich scenarios are cut off here
@@ -155,7 +157,26 @@ STATE = (
     )),
 )  # fmt: skip
 
-VECTORS: Mapping[str, tuple[Group, ...]] = {"obs": OBS, "row": ROW, "state": STATE}
+ROUTE = (
+    Group("piece", Times.ONCE, (
+        Feature("type", _KINDS, BIT, "II-A, Fig. 2"),
+        Feature("task kind", _TASKS, BIT, "III-A"),
+    )),
+    Group("goal", Times.ONCE, (
+        Feature("dx, dy, distance", 3, PER_CELL, "III-A; to the right place"),
+        Feature("here", 1, BIT, "the piece is at the right place"),
+        Feature("way", 1, PER_HOP, "base hops of the fastest way there; 0 without ways"),
+    )),
+    Group("neighbour", Times.NEIGHBOURS, (
+        Feature("climb", 1, PER_LEVEL, "III-A; altitude difference"),
+        Feature("controllable, passable, paved, concealed, slushy", 5, BIT, "II-A"),
+        Feature("ease", 1, BIT, "base hop time / hop time, 0 without a way"),
+        Feature("nearer", 1, BIT, "cells that it is nearer to the right place"),
+        Feature("detour", 1, PER_DETOUR, "base hops lost by going that way; 0 without ways"),
+    )),
+)  # fmt: skip
+
+VECTORS: Mapping[str, tuple[Group, ...]] = {"obs": OBS, "row": ROW, "state": STATE, "route": ROUTE}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -165,16 +186,17 @@ class Sizes:
     obs: int  # Do
     row: int  # Dt
     state: int  # Ds
+    route: int  # Dl, the same for every scenario
 
 
 def sizes(n_own: int, n_enemies: int, n_points: int) -> Sizes:
-    """Widths of obs [N, Do], rows [N, K, Dt] and state [Ds]."""
+    """Widths of obs [N, Do], rows [N, K, Dt], state [Ds] and route [Dl]."""
     counts = _counts(n_own, n_enemies, n_points)
     return Sizes(**{name: _width(groups, counts) for name, groups in VECTORS.items()})
 
 
 def index(vector: str, n_own: int, n_enemies: int, n_points: int) -> dict[str, slice]:
-    """Where each feature of "obs", "row" or "state" stands: "enemy 2: blood" -> slice."""
+    """Where each feature of "obs", "row", "state" or "route" stands: "enemy 2: blood" -> slice."""
     counts = _counts(n_own, n_enemies, n_points)
     places: dict[str, slice] = {}
     at = 0
@@ -227,3 +249,6 @@ def _feature_width(feature: Feature, counts: Mapping[Times, int]) -> int:
 
 def _width(groups: tuple[Group, ...], counts: Mapping[Times, int]) -> int:
     return sum(_feature_width(feature, counts) for _, feature in _walk(groups, counts))
+
+
+ROUTE_WIDTH = sizes(1, 1, 1).route

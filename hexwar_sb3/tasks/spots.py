@@ -1,7 +1,7 @@
 """Hot spots G^L (III-A): the control points and k more cells that tasks lead to.
 
-For the built-in maps the cells come from a file, which says where they come from; `source` is
-"static rule" or a count of visits in replays. Any other map gets the static rule: near each
+For the built-in maps the cells come from a file (`spots_file.py`), which says where they come from:
+games whose visits were counted (`hotspots.py`). Any other map gets the static rule: near each
 control point a concealed cell, and farther off cells that overlook it.
 """
 
@@ -10,24 +10,22 @@ from __future__ import annotations
 from dataclasses import dataclass
 from itertools import cycle, islice, product
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from hexwar_sb3.engine.world import World
-from hexwar_sb3.errors import FileFormatError
+from hexwar_sb3.errors import ConfigError, FileFormatError
 from hexwar_sb3.maps.document import Document
-from hexwar_sb3.maps.geometry import cell_name
 from hexwar_sb3.maps.travel import TOO_FAR
 from hexwar_sb3.rules.enums import Camp
+from hexwar_sb3.tasks.records import MAX_TASKS
+from hexwar_sb3.tasks.spots_file import SCHEMA, HotSpots, read_spots
 
 Bools = npt.NDArray[np.bool_]
 Floats = npt.NDArray[np.float64]
 
 SPOTS = 6  # cells beside the control points
-MAX_SPOTS = 32
-SCHEMA = 1
 FOLDER = Path(__file__).parent / "spots"
 
 
@@ -56,63 +54,77 @@ ZONE_CELLS = 3
 APART_CELLS = 2  # two spots are at least this far apart
 
 
-def load_spots(world: World, k: int = SPOTS) -> npt.NDArray[np.int16]:
-    """Cells of G^L for both camps: [2, S], S = control points + k, in the order of each camp's frame.
+def load_spots(world: World, k: int = SPOTS, path: str | Path | None = None) -> npt.NDArray[np.int16]:
+    """Cells of G^L(k) for both camps: [2, S], S = control points + k, in the order of each camp's frame.
 
-    A file of the map's name gives red's cells, and blue's are their mirror images; without one,
-    or with fewer than k cells in it, each camp gets the static rule in its own frame.
+    Args:
+        world: of the scenario.
+        k: spots beside the control points.
+        path: a file of this map; None: the shipped one, or the static rule where there is none, it is
+            of another map or an older schema, or it has fewer than k cells.
+
+    Raises:
+        ConfigError: k is out of range.
+        FileFormatError: the file cannot be used, or the one named by `path` is of another map.
     """
+    check_spots(world, k)
     points = [point.cell for point in world.scenario.points]
-    red = _filed_cells(world)
-    if red is None or len(red) < k:
+    spots = _shipped(world) if path is None else _named(world, k, Path(path))
+    if spots is None or min(len(camp.cells) for camp in spots.camps) < k:
         return np.array([points + static_spots(world, camp, k) for camp in (Camp.RED, Camp.BLUE)], np.int16)
-    blue = [int(world.cells[cell].mirror) for cell in red]
-    return np.array([points + red[:k], points + blue[:k]], np.int16)
+    return np.array([points + list(camp.cells[:k]) for camp in spots.camps], np.int16)
+
+
+def max_spots(world: World) -> int:
+    """Largest k: hold and hide at every spot fit in a task set, beside stop and recover."""
+    return (MAX_TASKS - 2) // 2 - len(world.scenario.points)
+
+
+def check_spots(world: World, k: int) -> None:
+    """Check the number of spots beside the control points.
+
+    Raises:
+        ConfigError: it is out of range.
+    """
+    if not 0 <= k <= max_spots(world):
+        n_points = len(world.scenario.points)
+        why = f"a task set has {MAX_TASKS} rows, and the scenario {n_points} control points"
+        raise ConfigError(f"k must be in 0..{max_spots(world)}, got {k}: {why}")
 
 
 def static_spots(world: World, camp: int, k: int) -> list[int]:
     """The static rule: the best cell of each ring around each control point, points in turn."""
     chosen: list[int] = []
     points = [point.cell for point in world.scenario.points]
-    reachable = _reachable(world, points)
+    allowed = reachable(world, points)
     for ring, point in islice(cycle(product(RINGS, points)), k):
-        free = reachable & _away_from(world, [*points, *chosen])
+        free = allowed & away_from(world, [*points, *chosen])
         chosen.append(_best_cell(world, camp, ring, point, free))
     return chosen
 
 
-def spots_document(world: World, k: int = SPOTS) -> dict[str, Any]:
-    """The static rule's cells in the form of a spots file."""
-    width = world.scenario.hexmap.width
-    return {
-        "schema": SCHEMA,
-        "map": world.scenario.hexmap.name,
-        "map_hash": world.scenario.hexmap.hash,
-        "source": "static rule",
-        "cells": [cell_name(cell, width) for cell in static_spots(world, Camp.RED, k)],
-    }
-
-
-def _filed_cells(world: World) -> list[int] | None:
-    """Red's cells from the file of this map; None without a file, or if it is of another map.
-
-    Raises:
-        FileFormatError: the file cannot be used; it says where and why.
-    """
+def _shipped(world: World) -> HotSpots | None:
+    """The shipped hot spots of this map; None without a file, or if it is of other content."""
     hexmap = world.scenario.hexmap
     path = FOLDER / f"{hexmap.name}.json"
     if not path.is_file():
         return None
-    document = Document.read(path, FileFormatError)
-    document.only(("schema", "map", "map_hash", "source", "cells"))
-    document.integer("schema", SCHEMA, SCHEMA)
-    names = document.texts("cells", range(MAX_SPOTS + 1))
-    if document.text("map_hash") != hexmap.hash:
+    head = Document.read(path, FileFormatError).data
+    if (head.get("schema"), head.get("map_hash")) != (SCHEMA, hexmap.hash):
         return None
-    return [document.cell("cells", name, hexmap.width, hexmap.height) for name in names]
+    return read_spots(path, hexmap)
 
 
-def _reachable(world: World, points: list[int]) -> Bools:
+def _named(world: World, k: int, path: Path) -> HotSpots:
+    """The hot spots of a file that the user named."""
+    spots = read_spots(path, world.scenario.hexmap)
+    found = min(len(camp.cells) for camp in spots.camps)
+    if found < k:
+        raise FileFormatError(path, "cells", found=f"{found} of a camp", expected=f"at least k = {k}")
+    return spots
+
+
+def reachable(world: World, points: list[int]) -> Bools:
     """Cells from which both hop classes reach every control point [NC]."""
     ways = world.eta[:, points, :] < TOO_FAR
     return np.asarray(ways.all(axis=(0, 1)) & (world.cells.passable == 1))
@@ -125,11 +137,11 @@ def _apart(world: World, cell: int) -> npt.NDArray[np.int64]:
     return np.asarray((abs(dq) + abs(dr) + abs(dq + dr)) // 2)
 
 
-def _away_from(world: World, taken: list[int]) -> Bools:
-    """Cells that are not too near to any of some others [NC]."""
+def away_from(world: World, taken: list[int], least: int = APART_CELLS) -> Bools:
+    """Cells that are not nearer than `least` cells to any of some others [NC]."""
     away = np.ones(world.cells.size, np.bool_)
     for cell in taken:
-        away &= _apart(world, cell) >= APART_CELLS
+        away &= _apart(world, cell) >= least
     return away
 
 

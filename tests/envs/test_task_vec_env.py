@@ -71,7 +71,7 @@ def test_rewards_add_up_to_the_gain_of_the_margin(pick: Pick) -> None:
     for reward in ("paper", "net"):
         env = vec_env(2, opponent="random", reward=reward)
         env.reset()
-        first = native(env).games.margins()[0]
+        first = native(env).games.scores()[0]
         for _, _, margin, total, _ in outcomes(env, pick, 2):
             assert total == pytest.approx(margin - first)
 

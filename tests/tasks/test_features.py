@@ -25,7 +25,7 @@ K = TaskKind
 
 
 def test_sizes_of_the_built_in_scenarios() -> None:
-    assert sizes(7, 7, 2) == features.Sizes(obs=257, row=36, state=133)
+    assert sizes(7, 7, 2) == features.Sizes(obs=257, row=36, state=133, route=73)
 
 
 @pytest.mark.parametrize("counts", [(7, 7, 2), (1, 1, 1), (3, 5, 8)])

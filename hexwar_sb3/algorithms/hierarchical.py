@@ -1,0 +1,266 @@
+"""Both levels in one model: QMIX picks tasks, a DQN leads the pieces there; they are trained in turn (III-C)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, ClassVar, Self, cast
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from stable_baselines3.common.callbacks import BaseCallback
+from stable_baselines3.common.logger import Logger
+from stable_baselines3.common.policies import BasePolicy
+from stable_baselines3.common.type_aliases import GymEnv, RolloutReturn
+from stable_baselines3.common.vec_env import VecEnv
+
+from hexwar_sb3.algorithms.masked_dqn import MaskedDQN
+from hexwar_sb3.algorithms.model_file import File
+from hexwar_sb3.algorithms.parts import env_snapshot, part, restore_env, under
+from hexwar_sb3.algorithms.qmix import QMIX
+from hexwar_sb3.envs.registration import ROUTE_ENV, make_vec_env
+from hexwar_sb3.envs.route_settings import route_settings
+from hexwar_sb3.envs.route_vec_env import route_spaces
+from hexwar_sb3.envs.settings import TaskSettings
+from hexwar_sb3.errors import ConfigError
+from hexwar_sb3.play.lower_policy import HEURISTIC_LOWER, N_NUMBERS, FrozenLower
+from hexwar_sb3.play.routes import measure_routes
+from hexwar_sb3.policies.masked import MaskedDQNPolicy, freeze_lower
+from hexwar_sb3.policies.task_policy import TaskPolicy
+
+LOWER_DEFAULTS: dict[str, Any] = {
+    "gamma": 0.9,  # of a base hop; short: with the potential each hop pays at once
+    "learning_rate": 1e-3,
+    "final_learning_rate": 5e-5,
+    "learning_rate_steps": 300_000,
+    "buffer_size": 300_000,
+    "batch_size": 256,
+    "train_freq": 1,
+    "gradient_steps": 2,
+    "tau": 0.02,
+    "target_update_interval": 1,
+    "exploration_final_eps": 0.1,
+    "exploration_steps": 40_000,
+}
+"""Arguments of `MaskedDQN` for the route env that differ from its own defaults."""
+
+TEST_ROUTES = 50  # of each piece, to see whether the lower level may lead
+SHARED_SETTINGS = ("side", "opponent", "decision_ticks", "reward", "scenario")
+_COUNTERS = ("num_timesteps", "_n_calls", "_n_updates", "_episode_num")
+
+
+class HierarchicalQMIX(QMIX):
+    """QMIX over tasks and one DQN for the ways of all pieces, trained in turn, one level frozen meanwhile.
+
+    The model is itself the upper level and owns `.lower`. The heuristic leads the pieces until the lower level
+    finishes enough of its test routes; then it leads, in training and in play. The phase is a function of the
+    saved counters, so a resumed run goes on in the right one. `learn` counts the upper level's env steps;
+    phases are counted in ticks of game time, which compare across Delta-t.
+
+    Args:
+        policy: "HierarchicalPolicy".
+        env: the task env, native or single.
+        args: further arguments of `QMIX`.
+        lower_env: a route env; None makes one from the task env's own settings.
+        phase_ticks: game ticks of the upper level between two phases of the lower level, and of such a phase, of
+            all games together; a game has 1,800. 0 for the second trains the upper level alone.
+        lower_kwargs: arguments of `MaskedDQN` that differ from `LOWER_DEFAULTS`.
+        route_kwargs: settings of the route env that differ from the task env's (alpha, beta, ways, scenario ...),
+            and n_envs.
+        takeover: share of test routes that the lower level must finish to lead.
+        kwargs: further arguments of `QMIX`, by keyword.
+    """
+
+    policy_aliases: ClassVar[dict[str, type[BasePolicy]]] = {
+        "HierarchicalPolicy": TaskPolicy,
+        **QMIX.policy_aliases,
+    }
+    made_again: ClassVar[tuple[str, ...]] = (*QMIX.made_again, "lower", "lower_env")
+
+    lower: MaskedDQN
+
+    def __init__(
+        self,
+        policy: str | type[BasePolicy],
+        env: GymEnv | str | None,
+        *args: Any,
+        lower_env: VecEnv | None = None,
+        phase_ticks: tuple[int, int] = (4_500_000, 4_500_000),
+        lower_kwargs: dict[str, Any] | None = None,
+        route_kwargs: dict[str, Any] | None = None,
+        takeover: float = 0.9,
+        _init_setup_model: bool = True,
+        **kwargs: Any,
+    ) -> None:
+        super().__init__(policy, env, *args, _init_setup_model=False, **kwargs)
+        if phase_ticks[0] < 1 or phase_ticks[1] < 0:
+            raise ConfigError(f"phase_ticks must be at least (1, 0), got {phase_ticks}")
+        if not 0.0 <= takeover <= 1.0:
+            raise ConfigError(f"takeover must be in [0, 1], got {takeover}")
+        self.phase_ticks, self.takeover = tuple(phase_ticks), takeover
+        self.lower_kwargs, self.route_kwargs = dict(lower_kwargs or {}), dict(route_kwargs or {})
+        route_settings({name: value for name, value in self.route_kwargs.items() if name != "n_envs"})
+        self.lower_env = lower_env
+        self.upper_ticks, self.lower_ticks = 0, 0  # game ticks trained so far
+        self.leads = False  # the learned lower level leads
+        self.lower_counters: dict[str, int] = {}
+        if _init_setup_model:
+            self._setup_model()
+
+    def _setup_model(self) -> None:
+        """Build both levels; the lower one needs no env yet."""
+        super()._setup_model()
+        options = {**LOWER_DEFAULTS, **self.lower_kwargs}
+        self.lower = MaskedDQN.for_spaces(*route_spaces(), seed=self.seed, device=self.device, **options)
+        self.leader = torch.zeros(N_NUMBERS)  # weights of the version that leads
+        self.lower.set_logger(Logger(folder=None, output_formats=[]))
+        vars(self.lower).update(self.lower_counters)
+        if self.lower_env is not None:
+            self.lower.set_env(self.lower_env)
+
+    def frozen_lower(self) -> FrozenLower:
+        """Copy the learned lower level as it is now."""
+        policy = cast("MaskedDQNPolicy", self.lower.policy)
+        return freeze_lower(policy, ways=self.ways)
+
+    @property
+    def ways(self) -> bool:
+        """Whether the fastest ways are part of the lower level's state."""
+        return bool(self.route_kwargs.get("ways", True))
+
+    @property
+    def lower_is_due(self) -> bool:
+        """The phase: whether the lower level is behind its share (III-C, "Alternate Training")."""
+        upper, lower = self.phase_ticks
+        return self.lower_ticks < self.upper_ticks // upper * lower
+
+    def collect_rollouts(
+        self, env: VecEnv, callback: BaseCallback, *args: Any, **kwargs: Any
+    ) -> RolloutReturn:
+        """Train the lower level first if its phase has come; then play a step of the upper level."""
+        if self.lower_is_due:
+            self.train_lower(callback)
+        return super().collect_rollouts(env, callback, *args, **kwargs)
+
+    def train_lower(self, callback: BaseCallback | None = None) -> None:
+        """Train the lower level until its phase is over, with the upper level frozen.
+
+        Args:
+            callback: its `on_rollout_start` is called between two vector steps, for checkpoints.
+        """
+        env = self._route_env()
+        env.env_method("set_upper", self.policy.freeze())
+        step = env.num_envs * self.lower.update_every
+        while self.lower_is_due:
+            self.lower.learn(step, callback=_LowerPhase(self, callback), reset_num_timesteps=False)
+        self._log_lower()
+        self._let_lead(self.frozen_lower())
+
+    def _let_lead(self, lower: FrozenLower) -> None:
+        """Let the lower level lead if it finds its ways; else everything stays as it is."""
+        scenario = self._task_settings().scenario
+        found = measure_routes(lower, scenario, TEST_ROUTES)[-1]
+        self.logger.record("lower/routes_finished", found.finished)
+        self.logger.record("lower/agreement", found.agreement)
+        if found.finished >= self.takeover:
+            self.leads, self.policy.lower = True, lower
+            self.leader = torch.from_numpy(lower.numbers())
+            self.lead_envs()
+
+    def lead_envs(self) -> None:
+        """Let the learned lower level lead in both envs, if its time has come."""
+        for env in (self.env, self.lower.env):
+            if env is not None and self.leads:
+                env.env_method("set_lower", self.policy.lower)
+
+    def _log_lower(self) -> None:
+        ended = [episode for episode in self.lower.ep_info_buffer or () if "finished" in episode]
+        for name, key in (("finished", "finished"), ("return", "r"), ("hops", "l")):
+            if ended:
+                self.logger.record(
+                    f"lower/{name}", float(np.mean([float(episode[key]) for episode in ended]))
+                )
+        self.logger.record("lower/env_steps", self.lower.num_timesteps)
+
+    def _route_env(self) -> VecEnv:
+        """The env of the lower level; made when it is first needed."""
+        if self.lower.env is None:
+            options = {"n_envs": 48, **self._shared_settings(), **self.route_kwargs}
+            lower = self.policy.lower if isinstance(self.policy.lower, FrozenLower) else HEURISTIC_LOWER
+            self.lower_env = make_vec_env(ROUTE_ENV, seed=self.seed or 0, lower=lower, **options)
+            self.lower.set_env(self.lower_env)
+        return cast("VecEnv", self.lower.env)
+
+    def _task_settings(self) -> TaskSettings:
+        return cast("TaskSettings", cast("VecEnv", self.env).get_attr("games")[0].settings)
+
+    def _shared_settings(self) -> dict[str, Any]:
+        settings = self._task_settings()
+        return {name: getattr(settings, name) for name in SHARED_SETTINGS}
+
+    def _setup_learn(self, *args: Any, **kwargs: Any) -> tuple[int, BaseCallback]:
+        self.lead_envs()
+        return super()._setup_learn(*args, **kwargs)
+
+    def _store_transition(self, *args: Any, **kwargs: Any) -> None:
+        """Store a step, and count its ticks."""
+        super()._store_transition(*args, **kwargs)
+        self.upper_ticks += sum(int(info["ticks"]) for info in (kwargs.get("infos") or args[-1]))
+
+    @property
+    def env_steps(self) -> int:
+        """Env steps of both levels together."""
+        return int(self.num_timesteps + self.lower.num_timesteps)
+
+    def save(self, path: File, *args: Any, **kwargs: Any) -> None:
+        """Write one model zip for both levels."""
+        self.lower_counters = {name: int(getattr(self.lower, name)) for name in _COUNTERS}
+        super().save(path, *args, **kwargs)
+
+    @classmethod
+    def load(cls, *args: Any, **kwargs: Any) -> Self:
+        """Read a model zip of both levels, as `QMIX.load`."""
+        model = super().load(*args, **kwargs)
+        if model.leads:
+            model.policy.lower = FrozenLower.of_numbers(model.leader.numpy().copy(), ways=model.ways)
+            model.lead_envs()
+        return model
+
+    def _get_torch_save_params(self) -> tuple[list[str], list[str]]:
+        return ["policy", "policy.optimizer", "lower.policy", "lower.policy.optimizer"], ["leader"]
+
+    def snapshot(self) -> dict[str, NDArray[Any]]:
+        """What a model zip leaves out of the lower level: its replay, its running games."""
+        if self.lower.env is None or self.lower._last_obs is None:  # noqa: SLF001
+            return {}
+        return {
+            **under("replay", self.lower.snapshot()),
+            **under("games", env_snapshot(self.lower.env)),
+            **under("last_obs", cast("dict[str, NDArray[Any]]", self.lower._last_obs)),  # noqa: SLF001
+        }
+
+    def restore(self, parts: Mapping[str, NDArray[Any]]) -> None:
+        """Take over what `snapshot` gave."""
+        if not parts:
+            return
+        env = self._route_env()
+        env.env_method("set_upper", self.policy.freeze())
+        self.lower.restore(part("replay", parts))
+        restore_env(env, part("games", parts))
+        self.lower._last_obs = part("last_obs", parts)  # noqa: SLF001
+
+
+class _LowerPhase(BaseCallback):
+    """Counts the ticks of a lower phase, and lets the outer callbacks save between two vector steps."""
+
+    def __init__(self, owner: HierarchicalQMIX, outer: BaseCallback | None) -> None:
+        super().__init__()
+        self.owner, self.outer = owner, outer
+
+    def _on_rollout_start(self) -> None:
+        if self.outer is not None:
+            self.outer.on_rollout_start()
+
+    def _on_step(self) -> bool:
+        self.owner.lower_ticks += sum(int(info["ticks"]) for info in self.locals["infos"])
+        return True

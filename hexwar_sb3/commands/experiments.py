@@ -1,0 +1,128 @@
+"""`hexwar experiments`: the runs behind a figure or a table, made where their results are missing."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import tyro
+
+from hexwar_sb3.commands.output import compile_first, print_json, table
+from hexwar_sb3.commands.run_folder import write_text
+from hexwar_sb3.commands.settings import Json
+from hexwar_sb3.errors import ConfigError, UnknownNameError
+
+if TYPE_CHECKING:
+    from hexwar_sb3.experiments.runs import Places, Run, State
+
+NAMES = ("fig7", "ablation")
+FAILED, INTERRUPTED = 1, 130  # exit codes
+
+
+@dataclass(frozen=True, kw_only=True)
+class Experiments:
+    """Make the runs of an experiment whose results are missing, then its figure or table; go on by the same command."""
+
+    name: tyro.conf.Positional[str]  # "fig7": HRL against DQN; "ablation": rows that differ in one thing
+    list: bool = False  # print what is there and what is missing, and do nothing
+    only: tuple[str, ...] = ()  # runs ("vdn-0") or rows ("vdn": all its seeds); else all
+    seeds: tuple[int, ...] = (0, 1, 2)  # of every row; the other maps of fig7 have the first
+    games: int = 10_000  # of a run
+    eval_games: int = 64  # an opponent and colour, at each of the ten points of a curve
+    final_games: int = 1000  # an opponent and colour, on the page of a run
+    jobs: int = 1  # runs side by side
+    results: Path = Path("results")  # small files that are kept: RESULTS/EXPERIMENT/RUN/
+    work: Path = Path("runs/experiments")  # run folders
+    json: Json = False
+
+    def run(self) -> int:
+        """List, or carry out and draw."""
+        from hexwar_sb3.experiments.carry_out import carry_out
+        from hexwar_sb3.experiments.runs import Places, State, choose
+
+        runs, places = self._runs(), Places(self.results, self.work)
+        chosen = choose(runs, self.only)
+        states = {run: places.state(run) for run in runs}
+        if self.list:
+            self._print_states({run: states[run] for run in chosen}, places)
+            return 0
+        if any(states[run] != State.DONE for run in chosen):
+            compile_first()
+        try:
+            failed = carry_out(chosen, places, jobs=self.jobs, say=_say)
+        except KeyboardInterrupt:
+            _say("stopped; the same command goes on")
+            return INTERRUPTED
+        for path in finish(self.name, runs, places):
+            _say(str(path))
+        return FAILED if failed else 0
+
+    def _runs(self) -> Sequence[Run]:
+        """Every run of the experiment.
+
+        Raises:
+            ConfigError: a number is out of its range.
+            UnknownNameError: there is no such experiment.
+        """
+        from hexwar_sb3.evaluation.seeds import Purpose, seed_for
+        from hexwar_sb3.experiments import ablation, fig7
+        from hexwar_sb3.experiments.runs import Budget
+
+        if self.name not in NAMES:
+            raise UnknownNameError("experiment", self.name, NAMES)
+        if self.jobs < 1:
+            raise ConfigError(f"jobs must be at least 1, got {self.jobs}")
+        if not self.seeds or len(set(self.seeds)) < len(self.seeds):
+            raise ConfigError(f"name seeds, each of them once; got {self.seeds}")
+        for seed in self.seeds:
+            seed_for(Purpose.REPORT, seed)
+        budget = Budget(games=self.games, eval_games=self.eval_games, final_games=self.final_games)
+        return {"fig7": fig7, "ablation": ablation}[self.name].runs(budget, self.seeds)
+
+    def _print_states(self, states: Mapping[Run, State], places: Places) -> None:
+        if self.json:
+            rows = [
+                {"run": run.name, "state": state, "command": run.command} for run, state in states.items()
+            ]
+            print_json({"runs": rows})
+        else:
+            lines = [[run.name, str(places.kept(run)), state] for run, state in states.items()]
+            print(table(("run", "results", "state"), lines))
+
+
+def finish(name: str, runs: Sequence[Run], places: Places) -> list[Path]:
+    """Draw the figure, or write the table, from the results that are there; the files."""
+    from hexwar_sb3.experiments import fig7
+
+    folder = places.results / name
+    if name == fig7.NAME:
+        picture = folder / "fig7.png"
+        fig7.draw(runs, places, picture)
+        return [picture]
+    return write_table(runs, places, folder)
+
+
+def write_table(runs: Sequence[Run], places: Places, folder: Path) -> list[Path]:
+    """Write the table of the ablation as text and as JSON, and print it."""
+    from hexwar_sb3.experiments.ablation import BASE, HEADS, SAYS, cells, summary
+
+    rows = summary(runs, places)
+    text, figures = folder / "table.txt", folder / "table.json"
+    counted = (
+        "Mean over seeds [lowest, highest seed], both colours; win rate = (won + drawn / 2) / games.\n"
+        f"Margin minus {BASE}: difference of the means over seeds with its 95 % interval (two-sample t)."
+    )
+    meanings = table(("row", "what differs from base"), [[row["row"], SAYS[row["row"]]] for row in rows])
+    lines = "\n\n".join([counted, table(HEADS, list(cells(rows))), meanings])
+    write_text(text, lines + "\n")
+    write_text(figures, json.dumps(rows, indent=2) + "\n")
+    print(lines)
+    return [text, figures]
+
+
+def _say(text: str) -> None:
+    print(text, file=sys.stderr, flush=True)

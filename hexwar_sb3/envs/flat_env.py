@@ -1,0 +1,79 @@
+"""`HexWarFlat-v0` for one game: a `gymnasium.Env`."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import gymnasium
+import numpy as np
+from numpy.typing import NDArray
+
+from hexwar_sb3.envs.flat_games import FlatGames, flat_settings, flat_spaces
+from hexwar_sb3.errors import UnknownNameError
+
+
+class FlatEnv(gymnasium.Env[NDArray[Any], np.int64]):
+    """The paper's baseline "DQN" (Fig. 7) as an env for stock learners: the joint action as a sequence of turns.
+
+    One step is one living piece's turn, by slot; after the last one's, Delta-t ticks are played. An action
+    is task * 7 + answer: 0 stay and perform, or 1 + a direction in the camp's frame, which the piece keeps
+    from cell to cell until it is illegal or the piece has its next turn. A piece whose task has no place
+    that it can get to stays. An illegal action, counted in info["illegal_actions"], names no valid task and
+    stands for stop, or a direction without a way from the cell and stands for staying.
+
+    The reward, the margin's gain by eq. (3), comes with the turn that advances time, and is 0 with the
+    others; info["ticks"] is the time that was played. Only turns that advance time should discount, yet a
+    stock learner has one gamma a step: for gamma a decision and N pieces give it gamma^(1/N), or 1.
+
+    Args:
+        render_mode: "rgb_array": `render` draws what the learner's camp knows; None: it does not.
+        settings: fields of `TaskSettings`, but for `lower`, `demo_bot`, `demo_share` and `privileged_state`.
+
+    Raises:
+        UnknownNameError: no such setting or choice.
+        ConfigError: a setting is out of its range, or the flat env cannot have it.
+
+    Example:
+        >>> env = FlatEnv(scenario="plain", opponent="MA2")
+        >>> model = DQN("MlpPolicy", env, gamma=0.99 ** (1 / 7), buffer_size=20_000)
+    """
+
+    metadata: dict[str, Any] = {"render_modes": ["rgb_array"], "render_fps": 4}  # noqa: RUF012  (Gymnasium declares it so)
+
+    def __init__(self, render_mode: str | None = None, **settings: Any) -> None:
+        if render_mode is not None and render_mode not in self.metadata["render_modes"]:
+            raise UnknownNameError("render_mode", render_mode, self.metadata["render_modes"])
+        self.render_mode = render_mode
+        self.games = FlatGames(1, flat_settings(settings))
+        self.observation_space, self.action_space = flat_spaces(self.games)
+
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[NDArray[Any], dict[str, Any]]:
+        """Start the next episode; with a seed, the first one of that seed."""
+        super().reset(seed=seed)
+        if seed is not None:
+            self.games.seed(seed)
+        self.games.begin(self.games.all)
+        return self.games.observe()[0], {}
+
+    def step(self, action: np.int64) -> tuple[NDArray[Any], float, bool, bool, dict[str, Any]]:
+        """Play one piece's turn; the last tick is the end."""
+        span = self.games.play(np.asarray(action)[None])
+        over = bool(span.over[0])
+        info: dict[str, Any] = {"ticks": int(span.ticks[0]), "illegal_actions": int(span.illegal[0])}
+        if over:
+            info |= self.games.outcome(0)
+        return self.games.observe()[0], float(span.reward[0]), over, False, info
+
+    def render(self) -> NDArray[np.uint8] | None:
+        """Draw what the learner's camp knows, [height, width, RGB]; None without a render mode."""
+        if self.render_mode is None:
+            return None
+        from hexwar_sb3.envs.render import draw_position  # matplotlib: only where it is asked for
+
+        return draw_position(self.games.arena, 0, int(self.games.camps[0]))
+
+    def action_masks(self) -> NDArray[np.bool_]:
+        """Legal actions of the acting piece [K * 7] (sb3-contrib)."""
+        return self.games.masks()[0]

@@ -1,0 +1,129 @@
+"""The core of the flat env: the learner's pieces decide one after the other, each by one plain action."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from gymnasium import spaces
+from numpy.typing import NDArray
+
+from hexwar_sb3.envs.route_vec_env import check_answers
+from hexwar_sb3.envs.settings import TaskSettings, task_settings
+from hexwar_sb3.envs.task_games import Span, TaskGames
+from hexwar_sb3.errors import ConfigError
+from hexwar_sb3.play.arena import Games, Snapshot
+from hexwar_sb3.play.flat import flat_observation
+from hexwar_sb3.rules.enums import Camp
+from hexwar_sb3.tasks.features import BOUND
+from hexwar_sb3.tasks.records import MAX_TASKS
+from hexwar_sb3.tasks.route import N_ANSWERS
+
+BEFORE_ALL = -1  # the slot that is followed by the first
+_REFUSED = {
+    "lower": "its actions give the directions themselves",
+    "demo_bot": "a bot does not play by turns of single pieces",
+    "demo_share": "a bot does not play by turns of single pieces",
+    "privileged_state": "its observation is the acting piece's alone",
+}
+
+
+class FlatGames(TaskGames):
+    """Games in which a step is the turn of one living piece, by slot; time goes on after the last.
+
+    A piece sees the state of the decision: the turns that others had before it change nothing yet. The
+    direction of an action is kept from cell to cell until it is illegal or the piece has its next turn.
+    """
+
+    def __init__(self, n_games: int, settings: TaskSettings, seed: int = 0) -> None:
+        super().__init__(n_games, settings, seed)
+        shape = self.sight.rows.shape[:2]
+        self.acting = np.zeros(n_games, np.int64)  # slot of the piece whose turn it is [n]
+        self.picked = np.zeros(shape, np.int64)  # task indices of this decision so far [n, N]
+        self.answers = np.zeros(shape, np.int64)  # 0 stay, or 1 + a direction in the camp's frame [n, N]
+
+    def begin(self, which: Games) -> None:
+        """Start the next episodes in these slots, up to the first piece's turn."""
+        super().begin(which)
+        self._open(which)
+
+    def observe(self) -> NDArray[Any]:
+        """What the acting pieces see [n, width]."""
+        return flat_observation(self.sight.obs, self.all, self.acting)
+
+    def masks(self) -> NDArray[np.bool_]:
+        """Legal actions of the acting pieces: a valid task, and a way from the cell or staying [n, K * 7]."""
+        first = np.array([self.arena.world.side(camp).start for camp in (Camp.RED, Camp.BLUE)])
+        _, ways = self.arena.look_routes(self.all, first[self.camps] + self.acting, ways=False)
+        tasks = self.sight.obs["action_mask"][self.all, self.acting]
+        return (tasks[:, :, None] * ways[:, None, :]).reshape(self.n_games, -1).astype(np.bool_)
+
+    def play(self, actions: NDArray[Any]) -> Span:
+        """Give every acting piece its action; play on to the next decision where it was the last one's turn.
+
+        Args:
+            actions: task index * 7 + answer [n]; an illegal one stands for stop, or for staying.
+
+        Raises:
+            ConfigError: they are no whole numbers, or of another shape.
+        """
+        actions = check_answers(actions, self.n_games)
+        before, start = self.scores(), self.arena.state.games.tick.astype(np.int64)
+        known = (actions >= 0) & (actions < MAX_TASKS * N_ANSWERS)
+        illegal = ~(known & self.masks()[self.all, np.where(known, actions, 0)])
+        acting = self.all, self.acting
+        self.picked[acting], self.answers[acting] = np.divmod(actions, N_ANSWERS)
+        self._decide(self._pass_on(self.all, self.acting))
+        return Span(
+            reward=(self.scores() - before).astype(np.float32),
+            over=self.arena.over(self.all),
+            ticks=self.arena.state.games.tick - start,
+            illegal=illegal.astype(np.int64),
+            demo={},
+        )
+
+    def _pass_on(self, which: Games, after: NDArray[np.int64] | int) -> Games:
+        """Give the turn to the next living piece of each game after a slot; the games that have none."""
+        alive = self.sight.obs["alive"][which] > 0
+        later = alive & (np.arange(alive.shape[1]) > np.reshape(after, (-1, 1)))
+        has_next = later.any(axis=1)
+        self.acting[which[has_next]] = later[has_next].argmax(axis=1)
+        return which[~has_next]
+
+    def _decide(self, which: Games) -> None:
+        """Carry out the decisions of these games, and play to the next ones; a wiped-out camp has none but the end."""
+        while which.size:
+            camps = self.camps[which]
+            self.arena.choose(which, which, camps, self.picked[which], self.sight)
+            self.arena.keep_answers(which, camps, self.answers[which])
+            self._advance(which)
+            lifeless = self._open(which)
+            which = lifeless[~self.arena.over(lifeless)]
+
+    def _open(self, which: Games) -> Games:
+        """Look, and give the turn to the first living piece of each game; the games that have none."""
+        self.look(which)
+        self.picked[which], self.answers[which] = 0, 0
+        return self._pass_on(which, BEFORE_ALL)
+
+    def _slots(self) -> Snapshot:
+        return {**super()._slots(), "acting": self.acting, "picked": self.picked, "answers": self.answers}
+
+
+def flat_spaces(games: FlatGames) -> tuple[spaces.Box, spaces.Discrete]:
+    """Spaces of the flat env."""
+    sample = games.observe()[0]
+    return spaces.Box(-BOUND, BOUND, sample.shape, sample.dtype.type), spaces.Discrete(MAX_TASKS * N_ANSWERS)
+
+
+def flat_settings(settings: dict[str, Any]) -> TaskSettings:
+    """Settings from keywords.
+
+    Raises:
+        UnknownNameError: no such setting.
+        ConfigError: one that the flat env cannot have.
+    """
+    for name in settings:
+        if name in _REFUSED:
+            raise ConfigError(f"the flat env has no {name}: {_REFUSED[name]}")
+    return task_settings(settings)

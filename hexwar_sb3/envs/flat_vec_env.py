@@ -1,0 +1,72 @@
+"""`HexWarFlat-v0` for many games at once: a native VecEnv of Stable-Baselines3."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from stable_baselines3.common.vec_env.base_vec_env import VecEnvStepReturn
+
+from hexwar_sb3.envs.flat_games import FlatGames, flat_spaces
+from hexwar_sb3.envs.native_vec_env import NativeVecEnv
+from hexwar_sb3.envs.settings import TaskSettings
+from hexwar_sb3.envs.task_games import Span
+from hexwar_sb3.play.arena import Snapshot
+
+
+class FlatVecEnv(NativeVecEnv):
+    """All games are stepped in one call, each by one piece's turn; ended ones start anew. See `FlatEnv`.
+
+    Args:
+        n_envs: games.
+        settings: the env's settings, from `flat_settings`.
+        seed: of the episodes.
+    """
+
+    def __init__(self, n_envs: int, settings: TaskSettings, seed: int = 0) -> None:
+        self.games = FlatGames(n_envs, settings, seed)
+        super().__init__(n_envs, *flat_spaces(self.games))
+
+    def reset(self) -> NDArray[Any]:
+        """Start the next episode in every slot."""
+        self.games.begin(self.games.all)
+        return self.games.observe()
+
+    def step_wait(self) -> VecEnvStepReturn:
+        """Play one turn of every game."""
+        span = self.games.play(np.asarray(self._actions))
+        obs = self.games.observe()
+        infos = [self._info(b, span, obs) for b in range(self.num_envs)]
+        if span.over.any():
+            self.games.begin(self.games.all[span.over])
+            obs = self.games.observe()
+        return obs, span.reward, span.over, infos
+
+    def _info(self, b: int, span: Span, obs: NDArray[Any]) -> dict[str, Any]:
+        info: dict[str, Any] = {"ticks": int(span.ticks[b]), "illegal_actions": int(span.illegal[b])}
+        if span.over[b]:
+            info |= self.games.outcome(b)
+            info["terminal_observation"] = obs[b]
+            info["TimeLimit.truncated"] = False
+        return info
+
+    def action_masks(self) -> NDArray[np.bool_]:
+        """Legal actions of every game's acting piece [n, K * 7] (sb3-contrib)."""
+        return self.games.masks()
+
+    def seed(self, seed: int | None = None) -> Sequence[int | None]:
+        """Count episodes from 0 again under this seed; takes effect at the next reset."""
+        if seed is not None:
+            self.games.seed(seed)
+        return [seed] * self.num_envs
+
+    def snapshot(self) -> Snapshot:
+        """Everything that changes in play, as arrays that `np.savez` takes."""
+        return self.games.snapshot()
+
+    def restore(self, snapshot: Snapshot) -> NDArray[Any]:
+        """Go on where `snapshot` was taken, in an env of the same settings; the observation there."""
+        self.games.restore(snapshot)
+        return self.games.observe()

@@ -1,0 +1,74 @@
+"""`HexWarRoute-v0` for one game: a `gymnasium.Env`."""
+
+from __future__ import annotations
+
+from typing import Any, cast
+
+import gymnasium
+import numpy as np
+from numpy.typing import NDArray
+
+from hexwar_sb3.envs.route_settings import route_settings
+from hexwar_sb3.envs.route_vec_env import Obs, RouteVecEnv, route_spaces
+from hexwar_sb3.errors import UnknownNameError
+
+
+class RouteEnv(gymnasium.Env[Obs, np.int64]):
+    """A batch of one game; the settings are those of `RouteSettings`, by keyword.
+
+    One step is one hop of the focal piece, an episode one of its routes: finished (it stays in the right
+    place) is `terminated`; another task, an impossible one, the piece's loss and the end of the game are
+    `truncated` (a loss costs what it costs the camp; were it an end, it would save the rest of the way). The next episode is the next piece's route in the same game, or begins a new game.
+    An invalid direction stands for staying.
+
+    Args:
+        render_mode: None; a game is watched as a replay, or in the task env.
+        settings: fields of `RouteSettings`; one scenario.
+
+    Raises:
+        UnknownNameError: no such setting or choice.
+        ConfigError: a setting is out of its range.
+
+    Example:
+        >>> env = RouteEnv(scenario="hills", upper="random")
+        >>> obs, info = env.reset(seed=0)
+    """
+
+    metadata: dict[str, Any] = {"render_modes": []}  # noqa: RUF012  (Gymnasium declares it so)
+
+    def __init__(self, render_mode: str | None = None, **settings: Any) -> None:
+        if render_mode not in (None, "rgb_array"):  # SB3's make_vec_env asks for pictures without need
+            raise UnknownNameError("render_mode", render_mode, ())
+        self.render_mode = None
+        self.venv = RouteVecEnv(1, route_settings(settings))
+        self.observation_space, self.action_space = route_spaces()  # type: ignore[assignment]
+        self._next: Obs | None = None  # first observation of the next route of this game
+
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[Obs, dict[str, Any]]:
+        """Start the next route; with a seed, or in the middle of one, a new game."""
+        super().reset(seed=seed)
+        if seed is not None:
+            self.venv.seed(seed)
+            self._next = None
+        obs, self._next = self._next or _first(self.venv.reset()), None
+        return obs, {}
+
+    def step(self, action: np.int64) -> tuple[Obs, float, bool, bool, dict[str, Any]]:
+        """Give the focal piece one answer: 0 stay and perform, or 1 + a direction in the camp's frame."""
+        observed, rewards, dones, infos = self.venv.step(np.array([action]))
+        obs = cast("Obs", observed)
+        info = infos[0]
+        self._next = _first(obs) if dones[0] else None
+        last = info.pop("terminal_observation", None) or _first(obs)
+        cut = bool(info.pop("TimeLimit.truncated", False))
+        return last, float(rewards[0]), bool(dones[0]) and not cut, cut, info
+
+    def action_masks(self) -> NDArray[np.bool_]:
+        """Valid answers [7] (sb3-contrib)."""
+        return self.venv.action_masks()[0]
+
+
+def _first(obs: Obs) -> Obs:
+    return {key: value[0].copy() for key, value in obs.items()}

@@ -1,0 +1,342 @@
+"""The core of the route env: in each game one piece, the focal one, is led hop by hop from outside.
+
+An episode is one route: from the first question about a task of the focal piece to its staying in the right
+place. Then the next piece of the same game takes its turn, so that all types of pieces serve one network.
+"""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hexwar_sb3.engine.pieces import on_map
+from hexwar_sb3.engine.records import NEVER, NO_PIECE
+from hexwar_sb3.envs.route_settings import RANDOM_UPPER, Field, RouteSettings
+from hexwar_sb3.envs.task_games import TaskGames
+from hexwar_sb3.errors import ConfigError
+from hexwar_sb3.kernels import Rows
+from hexwar_sb3.maps.geometry import cells_apart
+from hexwar_sb3.play.arena import Games, Snapshot
+from hexwar_sb3.play.lower import asks
+from hexwar_sb3.play.lower_policy import FrozenLower
+from hexwar_sb3.play.player import BotPlayer, Player, make_player
+from hexwar_sb3.rules.enums import Camp
+from hexwar_sb3.tasks.choose import assign
+from hexwar_sb3.tasks.features import PER_HOP, index
+from hexwar_sb3.tasks.records import ENDED, TaskKind
+from hexwar_sb3.tasks.route import N_ANSWERS, STAY, has_way, new_route_buffers
+
+NO_FOCUS = -1
+WANDER_CELLS = 40  # farthest goal of a walk to a random cell
+DROP_SHARE = 0.5  # of such walks of a chariot: it sets its passenger down, who else would hardly ever walk
+_WAY = index("route", 1, 1, 1)["goal: way"].start
+_TASK_FIELDS = ("kind", "target", "cell")
+
+
+@dataclass
+class Hop:
+    """What the last answers led to, a row a game."""
+
+    reward: NDArray[np.float32]  # r_L, and the gain of the potential if there is one [n]
+    lower_reward: NDArray[np.float32]  # r_L, eq. (5) [n]
+    finished: NDArray[np.bool_]  # the piece stays in the right place [n]
+    cut: NDArray[
+        np.bool_
+    ]  # it ended otherwise: another or impossible task, the piece's loss, the game's end [n]
+    ticks: NDArray[np.int64]  # [n]
+    steps: NDArray[np.float64]  # length in base hops, or 1 an answer (`beta_per`) [n]
+    rest: NDArray[np.int64]  # where `cut`: ticks until the hop under way is done [n]
+    last_state: NDArray[np.float32]  # what the lower level would have read where it was `cut` [n, Dl]
+    last_mask: NDArray[np.int8]  # [n, 7]
+
+    @property
+    def over(self) -> NDArray[np.bool_]:
+        """The route has ended [n]."""
+        return self.finished | self.cut
+
+
+@dataclass
+class Focus:
+    """The focal piece of every game, and the route that it is on."""
+
+    piece: NDArray[np.int64]  # NO_FOCUS: none [n]
+    turn: NDArray[np.int64]  # slot of the camp that had its turn last [n]
+    kind: NDArray[np.int64]  # of the task [n]
+    target: NDArray[np.int64]
+    cell: NDArray[np.int64]
+
+    @classmethod
+    def none(cls, n: int) -> Focus:
+        """Nobody is led."""
+        return cls(np.full(n, NO_FOCUS), np.full(n, -1), *(np.zeros(n, np.int64) for _ in _TASK_FIELDS))
+
+
+class RouteGames:
+    """Games of one scenario with a focal piece each.
+
+    Args:
+        n_games: games side by side.
+        settings: of the env.
+        scenario: one of the settings' fields.
+        seed: of the episodes.
+    """
+
+    def __init__(self, n_games: int, settings: RouteSettings, scenario: Field, seed: int = 0) -> None:
+        self.settings, self.n_games = settings, n_games
+        self.tasks = TaskGames(n_games, settings.task_settings(scenario), seed)
+        if not isinstance(self.tasks.lower, str | FrozenLower):
+            raise ConfigError(
+                "the route env leads its other pieces by the heuristic or a network, no callable"
+            )
+        self.upper = _make_upper(settings.upper)
+        self.arena, self.all = self.tasks.arena, self.tasks.all
+        self.focus = Focus.none(n_games)
+        self._passable = np.flatnonzero(self.arena.world.cells.passable == 1)
+        self.state, self.mask = new_route_buffers(n_games)
+        self.seed(seed)
+
+    def seed(self, seed: int) -> None:
+        """Count games from 0 again, under another seed."""
+        self.tasks.seed(seed)
+        self.rng = np.random.default_rng([seed, len(self.all)])
+
+    def set_upper(self, upper: object) -> None:
+        """Let another policy give the tasks, from the next decision on."""
+        self.upper = _make_upper(upper)
+
+    def begin(self, which: Games) -> None:
+        """Start new games in these slots, and the first route of each."""
+        self.tasks.begin(which)
+        self.focus.piece[which] = NO_FOCUS
+        self.decide(which)
+        self.next_route(which)
+
+    def next_route(self, which: Games) -> None:
+        """Let the next piece of each game take its turn; play on until it asks for its way."""
+        for b in which.tolist():
+            self._let_go(b)
+        while which.size:
+            for b in which.tolist():
+                if not self._is_bound(b):
+                    self._take(b)
+            self.arena.advance(which)
+            over, due = self.arena.over(which), self.arena.due(which, self.tasks.camps[which])
+            if over.any():
+                self.tasks.begin(which[over])
+                self.focus.piece[which[over]] = NO_FOCUS
+            self.decide(which[over | due])
+            which = which[~self._starts(which)]
+
+    def play(self, answers: NDArray[np.int64]) -> Hop:
+        """Give each focal piece its answer [n], and play on until it asks again or its route is over: eq. (5)."""
+        hop = self._new_hop()
+        answers = np.where(self.mask[self.all, answers % N_ANSWERS] != 0, answers % N_ANSWERS, STAY)
+        before, start = self.tasks.scores(), self.arena.state.games.tick.astype(np.int64)
+        goals = self.arena.plans.goal[self.all, self.focus.piece]
+        hop.finished[:] = (answers == STAY) & (goals == self._pieces.cell[self.all, self.focus.piece])
+        base = self._base_ticks()
+        self.arena.tell(self.all, self.focus.piece, answers)
+        self._play_on(self.all[~hop.finished], hop)
+        hop.ticks[:] = self.arena.state.games.tick - start
+        hop.steps[:] = (hop.ticks + hop.rest) / base if self.settings.beta_per == "base_hop" else 1.0
+        gain = self.settings.alpha * (self.tasks.scores() - before)
+        hop.lower_reward[:] = hop.finished + gain - self.settings.beta * hop.steps
+        hop.reward[:] = hop.lower_reward + self._gained_potential(hop)
+        return hop
+
+    def _gained_potential(self, hop: Hop) -> NDArray[np.float64]:
+        """What is added to r_L for the way that was made good, see `RouteSettings.potential` [n]."""
+        if not self.settings.is_shaped:
+            return np.zeros(self.n_games)
+        before = self.settings.potential(_hops_left(self.state))
+        self.look()
+        after = self.settings.potential(_hops_left(np.where(hop.over[:, None], hop.last_state, self.state)))
+        return np.where(hop.finished, 0.0, self.settings.shaping**hop.steps * after) - before
+
+    def look(self) -> None:
+        """Read what every focal piece asks about."""
+        self.state[:], self.mask[:] = self.arena.look_routes(
+            self.all, self.focus.piece, ways=self.settings.ways
+        )
+
+    def decide(self, which: Games) -> None:
+        """Give tasks in these games: kept ones, those of the upper level, and walks to random cells."""
+        if not which.size:
+            return
+        pieces = self._own_pieces(which)
+        at = which[:, None], pieces
+        before = self.arena.plans[at].copy().view(np.recarray)
+        obs = {key: value[which] for key, value in self.tasks.look(which).items()}
+        mask = obs["action_mask"] != 0
+        wanted = self._random_tasks(mask) if self.upper is None else np.asarray(self.upper.act(obs))
+        self.arena.choose(which, which, self.tasks.camps[which], wanted, self.tasks.sight)
+        kept = (before.state != ENDED) & (self.rng.random(pieces.shape) < self.settings.keep_task)
+        self.arena.plans[which.repeat(pieces.shape[1])[kept.ravel()], pieces[kept]] = before[kept]
+        wanders = ~kept & (self.rng.random(pieces.shape) < self.settings.wander)
+        for row, slot in np.argwhere(wanders):
+            self._wander(int(which[row]), int(pieces[row, slot]))
+        self.arena.plans.chosen_at[at] = self.arena.state.games.tick[which][:, None]
+
+    def _own_pieces(self, which: Games) -> NDArray[np.int64]:
+        """Numbers of the learner's pieces in each game [n, N]."""
+        sides = [self.arena.world.side(camp) for camp in (Camp.RED, Camp.BLUE)]
+        start = np.array([side.start for side in sides])[self.tasks.camps[which]]
+        side = sides[int(self.tasks.camps[which[0]])]
+        return np.asarray(start[:, None] + np.arange(side.stop - side.start))
+
+    def _random_tasks(self, mask: NDArray[np.bool_]) -> NDArray[np.int64]:
+        """Draw a valid task for every piece: mask [..., K] -> [...]."""
+        return np.asarray((self.rng.random(mask.shape) * mask).argmax(axis=-1))
+
+    def _wander(self, b: int, i: int) -> None:
+        """Send a piece to a random cell that it can reach, so that ways lead everywhere, not to few spots."""
+        piece, world = self._pieces[b, i], self.arena.world
+        if not on_map(piece):
+            return
+        if piece.passenger != NO_PIECE and self.rng.random() < DROP_SHARE:
+            assign(
+                self.arena.plans[b, i], TaskKind.DROP, NO_PIECE, piece.cell, self.arena.state.games.tick[b]
+            )
+            return
+        goal = int(self.rng.choice(self._passable))
+        apart = cells_apart(world.cells, piece.cell, goal)
+        if apart <= WANDER_CELLS and has_way(
+            piece.kind, piece.cell, goal, world.rules[0], world.cells, world.eta
+        ):
+            assign(self.arena.plans[b, i], TaskKind.HOLD, NO_PIECE, goal, self.arena.state.games.tick[b])
+
+    def _play_on(self, which: Games, hop: Hop) -> None:
+        """Advance until the focal piece asks or its route is over; note how it ended."""
+        while which.size:
+            self.arena.advance(which)
+            stopped = which[~self._asks(which)]
+            if stopped.size:
+                self._note_last(stopped, hop)
+            focal = self.focus.piece[stopped]
+            dead = self._pieces.blood[stopped, focal] == 0
+            ended = self.arena.plans.state[stopped, focal] == ENDED
+            over = self.arena.over(stopped)
+            self.decide(stopped[~over])
+            hop.cut[stopped] = dead | ended | over | ~self._same_task(stopped)
+            hop.rest[stopped[~hop.cut[stopped]]] = 0
+            which = stopped[~hop.cut[stopped]]
+
+    def _note_last(self, which: Games, hop: Hop) -> None:
+        """Note where the route would go on if it is cut here: a hop under way is counted to its end."""
+        focal = self.focus.piece[which]
+        hop.last_state[which], hop.last_mask[which] = self.arena.look_routes(
+            which, focal, ways=self.settings.ways
+        )
+        arrives_at = self._pieces.arrives_at[which, focal]
+        hop.rest[which] = np.where(arrives_at == NEVER, 0, arrives_at - self.arena.state.games.tick[which])
+
+    @property
+    def _pieces(self) -> Rows:
+        return self.arena.state.pieces
+
+    def _base_ticks(self) -> NDArray[np.float64]:
+        """Ticks of a hop on open ground of every focal piece [n]."""
+        ticks = self.arena.world.rules[0].base_hop.astype(np.float64)
+        return np.asarray(ticks[self._pieces.kind[self.all, self.focus.piece]])
+
+    def _asks(self, which: Games) -> NDArray[np.bool_]:
+        """The focal piece waits for an answer [n]."""
+        return (self.arena.drives.waiting[which] >> self.focus.piece[which].astype(np.uint32)) & 1 == 1
+
+    def _starts(self, which: Games) -> NDArray[np.bool_]:
+        """The focal piece asks for its way, and has one to go: the route begins [n]."""
+        started = (self.focus.piece[which] != NO_FOCUS) & self._asks(which)
+        for k in np.flatnonzero(started):
+            started[k] = self._begin_route(int(which[k]))
+        return started
+
+    def _begin_route(self, b: int) -> bool:
+        """Note the task of the focal piece; one that is in the right place already has no route."""
+        piece, plan = (
+            self.arena.state.pieces[b, self.focus.piece[b]],
+            self.arena.plans[b, self.focus.piece[b]],
+        )
+        for name in _TASK_FIELDS:
+            getattr(self.focus, name)[b] = plan[name]
+        if plan.goal != piece.cell:
+            return True
+        self.arena.tell(np.array([b]), self.focus.piece[[b]], np.array([STAY]))
+        self._let_go(b)
+        return False
+
+    def _same_task(self, which: Games) -> NDArray[np.bool_]:
+        """The focal piece still has the task that its route is for [n]."""
+        plans = self.arena.plans[which, self.focus.piece[which]]
+        return np.logical_and.reduce(
+            [plans[name] == getattr(self.focus, name)[which] for name in _TASK_FIELDS]
+        )
+
+    def _let_go(self, b: int) -> None:
+        """Nobody outside answers for game b's pieces any more."""
+        self.focus.piece[b] = NO_FOCUS
+        self.arena.lead_outside(b, ())
+
+    def _take(self, b: int) -> None:
+        """Make the next piece that has somewhere to go the focal one; nobody if there is none."""
+        side = self.arena.world.side(int(self.tasks.camps[b]))
+        n = side.stop - side.start
+        for slot in ((self.focus.turn[b] + k) % n for k in range(1, n + 1)):
+            if self._may_go(b, side.start + slot):
+                self.focus.piece[b], self.focus.turn[b] = side.start + slot, slot
+                self.arena.lead_outside(b, (side.start + slot,))
+                return
+
+    def _may_go(self, b: int, i: int) -> bool:
+        piece, plan = self.arena.state.pieces[b, i], self.arena.plans[b, i]
+        return bool(piece.blood > 0 and piece.carrier == NO_PIECE and plan.state != ENDED and asks(plan))
+
+    def _is_bound(self, b: int) -> bool:
+        """Game b has a focal piece that will ask, sooner or later."""
+        return bool(self.focus.piece[b] != NO_FOCUS and self._may_go(b, int(self.focus.piece[b])))
+
+    def _new_hop(self) -> Hop:
+        n = self.n_games
+        return Hop(
+            reward=np.zeros(n, np.float32),
+            lower_reward=np.zeros(n, np.float32),
+            finished=np.zeros(n, np.bool_),
+            cut=np.zeros(n, np.bool_),
+            ticks=np.zeros(n, np.int64),
+            steps=np.zeros(n),
+            rest=np.zeros(n, np.int64),
+            last_state=self.state.copy(),
+            last_mask=self.mask.copy(),
+        )
+
+    def snapshot(self) -> Snapshot:
+        """Everything that changes in play, as arrays."""
+        focus = {f"focus_{name}": value.copy() for name, value in vars(self.focus).items()}
+        rng = np.array(json.dumps(self.rng.bit_generator.state))
+        return {**self.tasks.snapshot(), **focus, "rng": rng}
+
+    def restore(self, snapshot: Snapshot) -> None:
+        """Go on where `snapshot` was taken, in an env of the same settings."""
+        self.tasks.restore(snapshot)
+        for name, value in vars(self.focus).items():
+            value[...] = snapshot[f"focus_{name}"]
+        self.rng.bit_generator.state = json.loads(str(snapshot["rng"]))
+
+
+def _hops_left(states: NDArray[np.float32]) -> NDArray[np.float64]:
+    """Base hops of the fastest way, from the lower level's states [n, Dl]; at most what the feature can say."""
+    return states[:, _WAY].astype(np.float64) / PER_HOP
+
+
+def _make_upper(upper: object) -> Player | None:
+    """Who gives the tasks; None for random ones."""
+    if isinstance(upper, str) and upper == RANDOM_UPPER:
+        return None
+    seat = make_player(upper)
+    if isinstance(seat, BotPlayer):
+        raise ConfigError(
+            f'upper is "{RANDOM_UPPER}" or a policy that picks tasks; {seat.name} gives orders by itself'
+        )
+    return seat

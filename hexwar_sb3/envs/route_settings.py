@@ -1,0 +1,129 @@
+"""Settings of the route env, checked once."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hexwar_sb3.checks import check_whole
+from hexwar_sb3.envs.settings import REWARDS, SIDES, TaskSettings, check_choice, check_share, checked_settings
+from hexwar_sb3.errors import ConfigError
+from hexwar_sb3.maps.scenario import Scenario
+from hexwar_sb3.play.records import DECISION_TICKS
+
+RANDOM_UPPER = "random"
+BETA_PER = ("base_hop", "hop")
+Field = str | Path | Scenario
+
+
+@dataclass(frozen=True, kw_only=True)
+class RouteSettings:
+    """What `HexWarRoute-v0` can be told; every value is checked here. Equation (5): r_L = r_task + alpha r_Sigma - beta."""
+
+    scenario: Field | Sequence[Field] = (
+        "plain"  # name, file or object; of several, the games are dealt out in turn
+    )
+    side: str = "both"  # the learner's camp; "both": red in even games, blue in odd ones
+    opponent: object = "MA1"  # a player, a list of them, or a list of (player, weight)
+    decision_ticks: int = DECISION_TICKS  # Delta-t, ticks
+    upper: object = RANDOM_UPPER  # gives the tasks: random valid ones, or a policy of the task level
+    keep_task: float = (
+        0.9  # probability that a piece keeps its task at a decision, whatever the upper level says
+    )
+    wander: float = (
+        0.5  # probability that a new task is a walk to a random cell: tasks alone lead to few places
+    )
+    lower: object = "heuristic"  # leads the camp's other pieces: "heuristic", or a network's folder or object
+    ways: bool = (
+        True  # the fastest ways over the known map are part of the state; else the six neighbours alone
+    )
+    alpha: float = 0.01  # weight of the camp's reward; >= 0 (IV)
+    beta: float = 0.05  # cost of a step; in [0, 1) (IV)
+    beta_per: str = (
+        "base_hop"  # a step is the type's hop on open ground, in ticks; "hop": one answer, to the letter
+    )
+    shaping: float = (
+        0.99  # discount of a base hop in the potential of the reward, see `potential`; 0: no potential
+    )
+    reward: str = "net"  # r_Sigma: own minus enemy, or "paper": the margin by eq. (1)
+
+    def __post_init__(self) -> None:
+        """Check the ranges.
+
+        Raises:
+            ConfigError: a setting is out of its range.
+            UnknownNameError: a choice that does not exist.
+        """
+        check_choice("side", self.side, SIDES)
+        check_choice("reward", self.reward, REWARDS)
+        check_choice("beta_per", self.beta_per, BETA_PER)
+        check_share("keep_task", self.keep_task)
+        check_share("wander", self.wander)
+        check_whole("decision_ticks", self.decision_ticks, least=1)
+        check_share("shaping", self.shaping)
+        check_alpha_beta(self.alpha, self.beta)
+        if not self.fields:
+            raise ConfigError("name at least one scenario")
+
+    @property
+    def fields(self) -> tuple[Field, ...]:
+        """The scenarios, one or more."""
+        one = isinstance(self.scenario, str | Path | Scenario)
+        return (self.scenario,) if one else tuple(self.scenario)  # type: ignore[arg-type, return-value]
+
+    def potential(self, hops: NDArray[np.float64]) -> NDArray[np.float64]:
+        """What the fastest way is worth by eq. (5) alone: its end brings 1, each base hop costs beta [n].
+
+        With it the reward becomes r_L + gamma^hops * potential(after) - potential(before): the best policy stays the same
+        (Ng, Harada, Russell 1999), and what is left to learn is what a hop loses against the fastest way.
+
+        Args:
+            hops: base hops of the fastest way [n].
+        """
+        if not self.is_shaped:
+            return np.zeros_like(hops)
+        left = self.shaping**hops
+        paid = hops if self.shaping == 1.0 else (1.0 - left) / (1.0 - self.shaping)
+        return left - self.beta * paid
+
+    @property
+    def is_shaped(self) -> bool:
+        """The reward has a potential: it needs the fastest ways and a cost by time."""
+        return self.shaping > 0.0 and self.ways and self.beta_per == "base_hop"
+
+    def task_settings(self, scenario: Field) -> TaskSettings:
+        """Settings of the games of one scenario."""
+        return TaskSettings(
+            scenario=scenario,
+            side=self.side,
+            opponent=self.opponent,
+            decision_ticks=self.decision_ticks,
+            lower=self.lower,
+            reward=self.reward,
+        )
+
+
+def check_alpha_beta(alpha: float, beta: float) -> None:
+    """Check the coefficients of eq. (5).
+
+    Raises:
+        ConfigError: one is out of its range.
+    """
+    if not 0.0 <= alpha < float("inf"):
+        raise ConfigError(f"alpha must be finite and at least 0 by eq. (5), got {alpha!r}")
+    if not 0.0 <= beta < 1.0:
+        raise ConfigError(f"beta must be in [0, 1) by eq. (5), got {beta!r}")
+
+
+def route_settings(settings: dict[str, Any]) -> RouteSettings:
+    """Settings from keywords.
+
+    Raises:
+        UnknownNameError: no such setting.
+    """
+    return checked_settings(RouteSettings, settings)

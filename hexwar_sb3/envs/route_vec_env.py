@@ -1,0 +1,143 @@
+"""`HexWarRoute-v0` for many games at once: a native VecEnv of Stable-Baselines3."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, TypeAlias
+
+import numpy as np
+from gymnasium import spaces
+from numpy.typing import NDArray
+from stable_baselines3.common.vec_env.base_vec_env import VecEnvStepReturn
+
+from hexwar_sb3.checks import check_whole
+from hexwar_sb3.envs.native_vec_env import NativeVecEnv
+from hexwar_sb3.envs.route_games import Hop, RouteGames
+from hexwar_sb3.envs.route_settings import RouteSettings
+from hexwar_sb3.errors import ConfigError
+from hexwar_sb3.play.arena import Snapshot
+from hexwar_sb3.tasks.features import BOUND, ROUTE_WIDTH
+from hexwar_sb3.tasks.route import N_ANSWERS
+
+Obs: TypeAlias = dict[str, NDArray[Any]]
+
+
+def route_spaces() -> tuple[spaces.Dict, spaces.Discrete]:
+    """Spaces of the route env: the same for every piece, map and scenario."""
+    parts = {
+        "obs": spaces.Box(-BOUND, BOUND, (ROUTE_WIDTH,), np.float32),
+        "action_mask": spaces.Box(0, 1, (N_ANSWERS,), np.int8),
+    }
+    return spaces.Dict(list(parts.items())), spaces.Discrete(N_ANSWERS)  # type: ignore[arg-type]
+
+
+class RouteVecEnv(NativeVecEnv):
+    """One focal piece a game; several scenarios share the games evenly. Copy an observation that must stay.
+
+    Args:
+        n_envs: games.
+        settings: the env's settings.
+        seed: of the games.
+    """
+
+    def __init__(self, n_envs: int, settings: RouteSettings, seed: int = 0) -> None:
+        check_whole("n_envs", n_envs, least=len(settings.fields))
+        shares = np.diff(np.linspace(0, n_envs, len(settings.fields) + 1).astype(int))
+        self.fields = [
+            RouteGames(int(n), settings, scenario, seed)
+            for n, scenario in zip(shares, settings.fields, strict=True)
+        ]
+        ends = np.cumsum(shares)
+        self._slices = [slice(int(end - n), int(end)) for n, end in zip(shares, ends, strict=True)]
+        super().__init__(n_envs, *route_spaces())
+
+    def reset(self) -> Obs:
+        """Start new games in every slot."""
+        for games in self.fields:
+            games.begin(games.all)
+        return self._look()
+
+    def step_wait(self) -> VecEnvStepReturn:
+        """Give every focal piece its answer, and play until it asks again or its route is over."""
+        answers = check_answers(self._actions, self.num_envs)
+        hops = [games.play(answers[part]) for games, part in zip(self.fields, self._slices, strict=True)]
+        for games, hop in zip(self.fields, hops, strict=True):
+            games.next_route(games.all[hop.over])
+        infos = [_info(hop, b) for hop in hops for b in range(len(hop.ticks))]
+        rewards, dones = (
+            np.concatenate([hop.reward for hop in hops]),
+            np.concatenate([hop.over for hop in hops]),
+        )
+        return self._look(), rewards, dones, infos
+
+    def _look(self) -> Obs:
+        for games in self.fields:
+            games.look()
+        return {
+            "obs": np.concatenate([games.state for games in self.fields]),
+            "action_mask": np.concatenate([games.mask for games in self.fields]),
+        }
+
+    def action_masks(self) -> NDArray[np.bool_]:
+        """Valid answers of every game [n, 7] (sb3-contrib)."""
+        return np.concatenate([games.mask for games in self.fields]).astype(np.bool_)
+
+    def seed(self, seed: int | None = None) -> Sequence[int | None]:
+        """Count games from 0 again under this seed; takes effect at the next reset."""
+        if seed is not None:
+            for games in self.fields:
+                games.seed(seed)
+        return [seed] * self.num_envs
+
+    def set_upper(self, upper: object) -> None:
+        """Let another policy give the tasks, from the next decision on."""
+        for games in self.fields:
+            games.set_upper(upper)
+
+    def set_lower(self, lower: object) -> None:
+        """Let another lower level lead the pieces that are not in focus."""
+        for games in self.fields:
+            games.tasks.set_lower(lower)
+
+    def snapshot(self) -> Snapshot:
+        """Everything that changes in play, as arrays that `np.savez` takes."""
+        return {
+            f"{k}/{name}": part
+            for k, games in enumerate(self.fields)
+            for name, part in games.snapshot().items()
+        }
+
+    def restore(self, snapshot: Snapshot) -> Obs:
+        """Go on where `snapshot` was taken, in an env of the same settings; the observation there."""
+        for k, games in enumerate(self.fields):
+            start = f"{k}/"
+            parts = {
+                name.removeprefix(start): part for name, part in snapshot.items() if name.startswith(start)
+            }
+            games.restore(parts)
+        return self._look()
+
+
+def check_answers(answers: Any, n: int) -> NDArray[np.int64]:
+    """Answers [n] as whole numbers.
+
+    Raises:
+        ConfigError: they are none, or of another shape.
+    """
+    found = np.asarray(answers)
+    if found.shape != (n,) or found.dtype.kind not in "iu":
+        raise ConfigError(f"actions must be whole numbers of shape ({n},), got {found.dtype} {found.shape}")
+    return found.astype(np.int64)
+
+
+def _info(hop: Hop, b: int) -> dict[str, Any]:
+    info: dict[str, Any] = {"ticks": int(hop.ticks[b]), "steps": float(hop.steps[b])}
+    info["lower_reward"] = float(hop.lower_reward[b])
+    if hop.over[b]:
+        info["finished"] = bool(hop.finished[b])
+        info["terminal_observation"] = {
+            "obs": hop.last_state[b].copy(),
+            "action_mask": hop.last_mask[b].copy(),
+        }
+        info["TimeLimit.truncated"] = bool(hop.cut[b])
+    return info

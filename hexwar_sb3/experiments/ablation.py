@@ -1,0 +1,157 @@
+"""The ablation: rows that differ from a base in one thing."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from math import isnan
+from pathlib import Path
+from typing import Any
+
+from hexwar_sb3.evaluation.intervals import Estimate
+from hexwar_sb3.experiments.fig7 import pair
+from hexwar_sb3.experiments.runs import Budget, Places, Run, hrl_run
+from hexwar_sb3.experiments.spread import seed_difference, spread
+from hexwar_sb3.play.records import DECISION_TICKS
+
+NAME, BASE = "ablation", "base"
+OPPONENTS = ("MA1", "MA2")
+QUANTITIES = ("win_rate", "mean_margin", "points_held")
+HEADS = ("row", "against", "seeds", "win rate, %", "mean margin", "points held", "margin minus base")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Row:
+    """One line of the table."""
+
+    says: str  # how it differs from the base
+    flags: tuple[str, ...] = ()
+    decision_ticks: int = DECISION_TICKS
+
+
+ROWS = {
+    BASE: Row(says="defaults, with the heuristic as the lower level"),
+    "vdn": Row(says="values added, no mixer", flags=("--mixer", "vdn")),
+    "iql": Row(says="each piece learns alone", flags=("--mixer", "iql")),
+    "warm-start": Row(says="games begin near G^B", flags=("--warm-start", "1.0")),
+    "no-demos": Row(says="no bot shows how it plays", flags=("--demo-share", "0.0")),
+    "one-step": Row(says="one-step returns", flags=("--n-steps", "1")),
+    "plain-epsilon": Row(says="random tasks are not kept", flags=("--stickiness", "0.0")),
+    "only-ma1": Row(says="learns against MA1 alone", flags=("--opponents", "MA1")),
+    "only-ma2": Row(says="learns against MA2 alone", flags=("--opponents", "MA2")),
+    "ticks-15": Row(says="Delta-t 15, the same games", decision_ticks=15),
+    "ticks-300": Row(says="Delta-t 300, the same games", decision_ticks=300),
+    "gamma-1": Row(says="no discount, eq. (4)", flags=("--gamma", "1.0")),
+    "paper-reward": Row(says="margin by eq. (1), Green counts", flags=("--reward", "paper")),
+    "event-decisions": Row(
+        says="decides after events too, the same env steps", flags=("--decisions", "event")
+    ),
+    "spots-3": Row(says="3 cells of G^L", flags=("--spots", "3")),
+    "spots-12": Row(says="12 cells of G^L", flags=("--spots", "12")),
+    "lambda-08": Row(says="lambda-returns", flags=("--td-lambda", "0.8")),
+    "single-q": Row(says="no double-Q", flags=("--double-q", "False")),
+    "paper-preset": Row(says="section IV to the letter", flags=("--preset", "paper")),
+}
+SHARED = {
+    "hrl-plain": "the learned lower level (run of fig7)",
+    "dqn-plain": "no hierarchy: flat DQN (run of fig7)",
+}
+SAYS = {**{name: row.says for name, row in ROWS.items()}, **SHARED}
+
+
+def runs(budget: Budget, seeds: Sequence[int]) -> list[Run]:
+    """Every run of the table, seed by seed, so that one seed of every row comes first."""
+    return [
+        run
+        for seed in seeds
+        for run in (
+            *(row_run(name, seed, budget) for name in ROWS),
+            *pair("plain", seed, budget),
+        )
+    ]
+
+
+def row_run(name: str, seed: int, budget: Budget) -> Run:
+    """A run of a row of our own."""
+    row = ROWS[name]
+    flags = ("--lower", "heuristic", *row.flags)
+    return hrl_run(NAME, name, seed, budget, *flags, decision_ticks=row.decision_ticks)
+
+
+def summary(all_runs: Sequence[Run], places: Places) -> list[dict[str, Any]]:
+    """One JSON object a row; `against` is empty where no run of the row is there."""
+    there: dict[str, list[Run]] = {run.row: [] for run in all_runs}
+    for run in all_runs:
+        if places.is_kept(run):
+            there[run.row].append(run)
+    figures = {row: [figures_of(places.kept(run)) for run in kept] for row, kept in there.items()}
+    return [
+        {
+            "row": row,
+            "says": SAYS[row],
+            "seeds": [run.seed for run in there[row]],
+            "commands": [run.command for run in there[row]],
+            "against": {
+                opponent: _against(opponent, figures[row], figures.get(BASE, []))
+                for opponent in OPPONENTS
+                if there[row]
+            },
+        }
+        for row in there
+    ]
+
+
+def figures_of(kept: Path) -> dict[tuple[str, str], float]:
+    """Figures of the trained player on a page by (opponent, quantity); both colours together."""
+    page = json.loads((kept / "page.json").read_text(encoding="utf-8"))
+    figures = {}
+    for opponent in OPPONENTS:
+        cells = [row for row in page["rows"] if (row["player"], row["opponent"]) == ("trained", opponent)]
+        for quantity in QUANTITIES:
+            figures[opponent, quantity] = sum(_value(cell, quantity) for cell in cells) / len(cells)
+    return figures
+
+
+def _value(cell: dict[str, Any], quantity: str) -> float:
+    """A figure of a cell; of the shares of the games with 0, 1, 2, ... points held, the mean."""
+    value = cell[quantity]
+    return sum(k * share for k, share in enumerate(value)) if quantity == "points_held" else value
+
+
+def _against(
+    opponent: str, ours: list[dict[tuple[str, str], float]], base: list[dict[tuple[str, str], float]]
+) -> dict[str, list[float | None]]:
+    values = {quantity: [seed[opponent, quantity] for seed in ours] for quantity in QUANTITIES}
+    minus = seed_difference(values["mean_margin"], [seed[opponent, "mean_margin"] for seed in base])
+    return {
+        **{quantity: _numbers(spread(values[quantity])) for quantity in QUANTITIES},
+        "margin_minus_base": _numbers(minus),
+    }
+
+
+def _numbers(estimate: Estimate) -> list[float | None]:
+    return [None if isnan(value) else value for value in (estimate.value, estimate.low, estimate.high)]
+
+
+def cells(rows: Sequence[dict[str, Any]]) -> Iterator[list[str]]:
+    """Cells of the text table, one line a row and opponent; one that is missing says so."""
+    for row in rows:
+        if not row["against"]:
+            yield [row["row"], "-", "0", "missing", "", "", ""]
+        for opponent, figures in row["against"].items():
+            rate = [100 * value for value in figures["win_rate"]]
+            base = row["row"] == BASE
+            yield [
+                *(row["row"], opponent, str(len(row["seeds"]))),
+                _text(rate, ".1f"),
+                _text(figures["mean_margin"], "+.1f"),
+                _text(figures["points_held"], ".2f"),
+                "" if base else _text(figures["margin_minus_base"], "+.1f"),
+            ]
+
+
+def _text(numbers: Sequence[float | None], how: str) -> str:
+    """A figure and its ends; a dash for what is not known."""
+    value, low, high = ("-" if number is None else format(number, how) for number in numbers)
+    return f"{value} [{low}, {high}]"

@@ -1,0 +1,89 @@
+"""Carrying out runs: as processes, some side by side, gone on with where they were broken off."""
+
+from __future__ import annotations
+
+import signal
+import subprocess
+import sys
+from collections.abc import Callable, Collection, Sequence
+from time import monotonic, sleep
+
+from hexwar_sb3.experiments.keep import keep
+from hexwar_sb3.experiments.runs import HEXWAR, Places, Run, State
+
+POLL_SECONDS = 0.2
+Say = Callable[[str], object]
+
+
+def carry_out(runs: Sequence[Run], places: Places, *, jobs: int = 1, say: Say = print) -> list[Run]:
+    """Make every run whose results are not there; return those that failed.
+
+    Ctrl-C or SIGTERM is passed on once to the running ones, which save and end; then it goes on to the caller.
+
+    Raises:
+        KeyboardInterrupt: it was stopped.
+    """
+    waiting = [run for run in runs if places.state(run) != State.DONE]
+    running: dict[Run, subprocess.Popen[bytes]] = {}
+    failed: list[Run] = []
+    begun: dict[Run, float] = {}
+    before = signal.signal(signal.SIGTERM, signal.default_int_handler)
+    try:
+        while waiting or running:
+            while waiting and len(running) < jobs:
+                run = waiting.pop(0)
+                say(f"{run.name}: {run.command}")
+                begun[run], running[run] = monotonic(), start(run, places)
+            for run in [run for run, process in running.items() if process.poll() is not None]:
+                code = running.pop(run).returncode
+                if code == 0 and places.is_trained(run):
+                    keep_results(run, places)
+                    say(f"{run.name}: done in {(monotonic() - begun[run]) / 60:.1f} minutes")
+                else:
+                    failed.append(run)
+                    say(f"{run.name}: failed with exit code {code}; see {places.log(run)}")
+            if running:
+                sleep(POLL_SECONDS)
+    except KeyboardInterrupt:
+        stop(running.values())
+        raise
+    finally:
+        signal.signal(signal.SIGTERM, before)
+    return failed
+
+
+def start(run: Run, places: Places) -> subprocess.Popen[bytes]:
+    """Start the process of a run; its own group keeps the terminal's Ctrl-C from reaching it a second time."""
+    log = places.log(run)
+    log.parent.mkdir(parents=True, exist_ok=True)
+    with log.open("ab") as output:
+        return subprocess.Popen(  # noqa: S603  # our own modules
+            [sys.executable, "-m", run.module, *arguments(run, places)],
+            stdin=subprocess.DEVNULL,
+            stdout=output,
+            stderr=subprocess.STDOUT,
+            process_group=0,
+        )
+
+
+def arguments(run: Run, places: Places) -> list[str]:
+    """Arguments of a run: to begin, or to go on from its checkpoint."""
+    begun = places.checkpoint(run)
+    if run.module == HEXWAR and begun is not None:
+        return ["train", "--resume", str(begun)]
+    return [*run.arguments, "--runs", str(places.work / run.experiment), "--name", run.name]
+
+
+def keep_results(run: Run, places: Places) -> None:
+    """Keep the results of a run whose folder is complete."""
+    folder = places.folder(run)
+    if folder is not None:
+        keep(run, folder, places.kept(run))
+
+
+def stop(processes: Collection[subprocess.Popen[bytes]]) -> None:
+    """Let processes save and end."""
+    for process in processes:
+        process.send_signal(signal.SIGINT)
+    for process in processes:
+        process.wait()

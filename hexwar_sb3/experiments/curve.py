@@ -1,0 +1,68 @@
+"""`curve.csv`: the learning curve of a run, against each opponent and against all."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from hexwar_sb3.evaluation.history import History
+from hexwar_sb3.evaluation.results import CampResult
+from hexwar_sb3.files import replacing
+
+ALL = "all"  # opponents, joined
+HEADS = (
+    *("env_steps", "games", "game_ticks", "opponent"),
+    *("win_rate", "win_rate_low", "win_rate_high"),
+    *("mean_margin", "mean_margin_low", "mean_margin_high", "points_held"),
+)
+
+
+def by_opponent(result: CampResult, opponents: Sequence[str]) -> dict[str, CampResult]:
+    """Take the joined games of a panel apart: they lie opponent by opponent, as many games each."""
+    columns = (result.scores, result.margins, result.points_held)
+    parts = zip(*(np.split(column, len(opponents)) for column in columns), strict=True)
+    return {name: CampResult(*part) for name, part in zip(opponents, parts, strict=True)}
+
+
+def curve_rows(
+    history: History, opponents: Sequence[str], *, decision_ticks: int | None, game_ticks: int
+) -> Iterator[dict[str, Any]]:
+    """One row an evaluation and opponent.
+
+    Args:
+        history: of the run.
+        opponents: that it was evaluated against, in this order.
+        decision_ticks: ticks of an env step; None where they vary, then games and ticks stay empty.
+        game_ticks: ticks of a game.
+    """
+    for steps, result in zip(history.timesteps, history.results, strict=True):
+        ticks = None if decision_ticks is None else steps * decision_ticks
+        games = None if ticks is None else ticks // game_ticks
+        for name, part in {ALL: result, **by_opponent(result, opponents)}.items():
+            rate, margin = part.win_rate, part.mean_margin
+            figures = (rate.value, rate.low, rate.high, margin.value, margin.low, margin.high)
+            row = (steps, games, ticks, name, *figures, float(part.points_held.mean()))
+            yield dict(zip(HEADS, row, strict=True))
+
+
+def write_curve(path: Path, rows: Iterator[dict[str, Any]]) -> None:
+    """Write `curve.csv`."""
+    with replacing(path) as temporary, temporary.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.DictWriter(file, HEADS, lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(
+            {key: f"{value:.6g}" if isinstance(value, float) else value for key, value in row.items()}
+            for row in rows
+        )
+
+
+def read_curve(path: Path, opponent: str) -> dict[str, list[float]]:
+    """Columns of `curve.csv` against one opponent."""
+    with path.open(encoding="utf-8", newline="") as file:
+        rows = [row for row in csv.DictReader(file) if row["opponent"] == opponent]
+    numbers = [head for head in HEADS if head != "opponent"]
+    return {head: [float(row[head] or "nan") for row in rows] for head in numbers}

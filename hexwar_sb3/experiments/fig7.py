@@ -1,0 +1,103 @@
+"""Fig. 7: learning curves of the hierarchy (HRL) and of the flat DQN, against MA1 and MA2, on three maps."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from pathlib import Path
+from statistics import fmean
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from hexwar_sb3.experiments.curve import read_curve
+from hexwar_sb3.experiments.runs import Budget, Places, Run, dqn_run, hrl_run
+from hexwar_sb3.files import replacing
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+NAME = "fig7"
+SCENARIOS = ("plain", "hills", "paddy")  # the first with all seeds, the others with the first seed
+OPPONENTS = ("MA1", "MA2")
+METHODS = {"hrl": "HRL", "dqn": "DQN"}
+QUANTITIES = (("win_rate", "win rate"), ("mean_margin", "mean margin, points"))
+
+
+def runs(budget: Budget, seeds: Sequence[int]) -> list[Run]:
+    """Every run of the figure."""
+    return [
+        run
+        for scenario in SCENARIOS
+        for seed in (seeds if scenario == SCENARIOS[0] else seeds[:1])
+        for run in pair(scenario, seed, budget)
+    ]
+
+
+def pair(scenario: str, seed: int, budget: Budget) -> tuple[Run, Run]:
+    """The two methods on equal terms; both learn from the same opponents, in the same number of games."""
+    return (
+        hrl_run(NAME, f"hrl-{scenario}", seed, budget, scenario=scenario),
+        dqn_run(NAME, f"dqn-{scenario}", seed, budget, scenario=scenario),
+    )
+
+
+def draw(all_runs: Sequence[Run], places: Places, path: Path) -> None:
+    """Draw the figure from the results that are there.
+
+    Args:
+        all_runs: of the figure.
+        places: of their results.
+        path: picture.
+    """
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    there = [run for run in all_runs if places.is_kept(run)]
+    scenarios = [name for name in SCENARIOS if any(run.row.endswith(f"-{name}") for run in there)]
+    figure = Figure(figsize=(16, 3.6 * max(1, len(scenarios))), layout="constrained")
+    FigureCanvasAgg(figure)
+    grid = figure.subplots(max(1, len(scenarios)), 4, squeeze=False)
+    columns = [(opponent, *quantity) for opponent in OPPONENTS for quantity in QUANTITIES]
+    for i, scenario in enumerate(scenarios):
+        for axes, (opponent, quantity, label) in zip(grid[i], columns, strict=True):
+            for method in METHODS:
+                kept = [places.kept(run) for run in there if run.row == f"{method}-{scenario}"]
+                _draw_method(axes, method, kept, opponent, quantity)
+            _dress(axes, f"{scenario}, against {opponent}", label)
+    with replacing(path) as temporary:
+        figure.savefig(temporary, dpi=100)
+
+
+def _draw_method(axes: Axes, method: str, kept: list[Path], opponent: str, quantity: str) -> None:
+    """Draw the mean over seeds; the band reaches from the lowest to the highest seed, or is a single seed's interval."""
+    if not kept:
+        return
+    curves = [read_curve(folder / "curve.csv", opponent) for folder in kept]
+    games = curves[0]["games"]
+    values = np.array([np.interp(games, curve["games"], curve[quantity]) for curve in curves])
+    low, high = values.min(axis=0), values.max(axis=0)
+    if len(curves) == 1:
+        low, high = (np.array(curves[0][f"{quantity}_{end}"]) for end in ("low", "high"))
+    color = f"C{list(METHODS).index(method)}"
+    axes.plot(games, values.mean(axis=0), color=color, marker="o", markersize=3, label=_label(method, kept))
+    axes.fill_between(games, low, high, color=color, alpha=0.25, linewidth=0)
+
+
+def _label(method: str, kept: list[Path]) -> str:
+    pages = [json.loads((folder / "page.json").read_text(encoding="utf-8")) for folder in kept]
+    minutes = fmean(page["minutes"] for page in pages)
+    return f"{METHODS[method]}, {len(kept)} seed{'s' * (len(kept) > 1)}, {minutes:.0f} min each"
+
+
+def _dress(axes: Axes, title: str, label: str) -> None:
+    axes.set_title(title)
+    axes.set_xlabel("episodes")
+    axes.set_ylabel(label)
+    axes.grid(alpha=0.3)
+    if label == QUANTITIES[0][1]:
+        axes.set_ylim(0, 1)
+    else:
+        axes.axhline(0, color="grey", linewidth=0.8)
+    if axes.get_legend_handles_labels()[0]:
+        axes.legend(loc="lower right", fontsize="small")

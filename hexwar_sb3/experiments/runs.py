@@ -1,0 +1,180 @@
+"""A run of an experiment: the command that makes it, and where its folder and its results lie."""
+
+from __future__ import annotations
+
+import shlex
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+from pathlib import Path
+
+from hexwar_sb3.engine.world import load_world
+from hexwar_sb3.errors import ConfigError, UnknownNameError
+from hexwar_sb3.play.records import DECISION_TICKS
+
+HEXWAR, FLAT_DQN = "hexwar_sb3.cli", "hexwar_sb3.commands.flat_dqn"  # modules that train
+EVALUATIONS, CHECKPOINTS = 10, 5  # of a run, evenly over its games
+
+
+class State(StrEnum):
+    """How far a run is."""
+
+    DONE = "done"  # its results are kept
+    BROKEN_OFF = "broken off"  # its work folder can be gone on with
+    MISSING = "missing"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Budget:
+    """What every run of an experiment may use."""
+
+    games: int = 10_000  # of the upper level
+    eval_games: int = 64  # an opponent and colour, at each point of a curve
+    final_games: int = 1000  # an opponent and colour, on the page at the end
+
+    def __post_init__(self) -> None:
+        """Check the numbers.
+
+        Raises:
+            ConfigError: one is below 1.
+        """
+        for name, value in vars(self).items():
+            if value < 1:
+                raise ConfigError(f"{name} must be at least 1, got {value}")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Run:
+    """One training."""
+
+    experiment: str  # whose folder it lies in; another experiment may share it
+    row: str  # what it is called but for its seed
+    seed: int
+    arguments: tuple[str, ...]
+    module: str = HEXWAR
+
+    @property
+    def name(self) -> str:
+        """Name of its folders."""
+        return f"{self.row}-{self.seed}"
+
+    @property
+    def command(self) -> str:
+        """Command line that makes it again, but for the place of its run folder."""
+        program = "hexwar" if self.module == HEXWAR else f"python -m {self.module}"
+        return f"{program} {shlex.join(self.arguments)}"
+
+
+def hrl_run(
+    experiment: str,
+    row: str,
+    seed: int,
+    budget: Budget,
+    *flags: str,
+    scenario: str = "plain",
+    decision_ticks: int = DECISION_TICKS,
+) -> Run:
+    """A run of `hexwar train`: as many env steps as the games have, evaluated at the same games for every Delta-t."""
+    steps = budget.games * load_world(scenario).scenario.game_ticks // decision_ticks
+    numbers = {
+        "--seed": seed,
+        "--n-timesteps": steps,
+        "--decision-ticks": decision_ticks,
+        "--eval-freq": max(1, steps // EVALUATIONS),
+        "--save-freq": max(1, steps // CHECKPOINTS),
+        "--eval-games": budget.eval_games,
+        "--final-games": budget.final_games,
+    }
+    words = ("train", "--scenario", scenario, *_words(numbers), *flags)
+    return Run(experiment=experiment, row=row, seed=seed, arguments=words)
+
+
+def dqn_run(experiment: str, row: str, seed: int, budget: Budget, *, scenario: str = "plain") -> Run:
+    """A run of the paper's baseline: the same games, evaluated alike."""
+    numbers = {
+        "--seed": seed,
+        "--games": budget.games,
+        "--eval-freq": max(1, budget.games // EVALUATIONS),
+        "--eval-games": budget.eval_games,
+        "--final-games": budget.final_games,
+    }
+    words = ("--scenario", scenario, *_words(numbers))
+    return Run(experiment=experiment, row=row, seed=seed, arguments=words, module=FLAT_DQN)
+
+
+def _words(numbers: dict[str, int]) -> tuple[str, ...]:
+    return tuple(word for flag, value in numbers.items() for word in (flag, str(value)))
+
+
+@dataclass(frozen=True)
+class Places:
+    """Where results are kept, and where runs work."""
+
+    results: Path  # committed: small files, RESULTS/EXPERIMENT/RUN/
+    work: Path  # run folders, WORK/EXPERIMENT/RUN_k/
+
+    def kept(self, run: Run) -> Path:
+        """Folder of a run's results."""
+        return self.results / run.experiment / run.name
+
+    def log(self, run: Run) -> Path:
+        """What a run prints."""
+        return self.work / run.experiment / f"{run.name}.log"
+
+    def folder(self, run: Run) -> Path | None:
+        """The newest run folder that this very command has made."""
+        folders = (self.work / run.experiment).glob(f"{run.name}_*")
+        made = [path for path in folders if command_in(path).startswith(f"{run.command} --runs ")]
+        return max(made, key=lambda path: int(path.name.rpartition("_")[2]), default=None)
+
+    def is_trained(self, run: Run) -> bool:
+        """A run folder is complete: its page, the last file, was written."""
+        folder = self.folder(run)
+        return folder is not None and (folder / "page.txt").exists()
+
+    def checkpoint(self, run: Run) -> Path | None:
+        """The run folder to resume, if there is one."""
+        folder = self.folder(run)
+        return folder if folder is not None and (folder / "checkpoint.npz").exists() else None
+
+    def is_kept(self, run: Run) -> bool:
+        """The results are there.
+
+        Raises:
+            ConfigError: another command made them.
+        """
+        kept = self.kept(run)
+        if not kept.exists():
+            return False
+        if command_in(kept) != run.command:
+            raise ConfigError(
+                f"{kept} was made by `{command_in(kept)}`, not by `{run.command}`; "
+                "choose another --results, or remove it"
+            )
+        return True
+
+    def state(self, run: Run) -> State:
+        """How far a run is."""
+        if self.is_kept(run):
+            return State.DONE
+        return State.BROKEN_OFF if self.is_trained(run) or self.checkpoint(run) else State.MISSING
+
+
+def command_in(folder: Path) -> str:
+    """Command line that a folder was made by; empty if it does not say."""
+    path = folder / "command.txt"
+    return path.read_text(encoding="utf-8").strip() if path.is_file() else ""
+
+
+def choose(runs: Sequence[Run], only: Iterable[str]) -> list[Run]:
+    """The runs with these names, of a run or of all seeds of a row; all of them if none is named.
+
+    Raises:
+        UnknownNameError: nothing has such a name.
+    """
+    only = list(only)
+    known = {name for run in runs for name in (run.row, run.name)}
+    for name in only:
+        if name not in known:
+            raise UnknownNameError("run", name, known)
+    return [run for run in runs if not only or run.row in only or run.name in only]

@@ -1,0 +1,156 @@
+"""The lower level in the drive loop: the heuristic, a network, a kept direction, or somebody outside.
+
+Whoever answers, the question is the same: a piece with a task stands at a cell's centre, and is told to stay
+and perform, or one of six directions (III-A). The network is the paper's, two layers of 64.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from hexwar_sb3.bots.routes import right_place
+from hexwar_sb3.engine.pieces import hop_from
+from hexwar_sb3.engine.records import NO_CELL
+from hexwar_sb3.kernels import Row, Rows, kernel
+from hexwar_sb3.maps.geometry import frame_direction
+from hexwar_sb3.play.execute import needs_answer
+from hexwar_sb3.play.network import add_layer, relu
+from hexwar_sb3.tasks.features import ROUTE_WIDTH
+from hexwar_sb3.tasks.known import end_piece, first_piece
+from hexwar_sb3.tasks.progress import can_end, end_task
+from hexwar_sb3.tasks.records import STAYING, WALKING, TaskKind
+from hexwar_sb3.tasks.route import N_ANSWERS, STAY, has_way, observe_route
+
+HIDDEN = 64  # width of both layers ("no sophisticated architecture", III-C)
+HEURISTIC, KEPT = 0, -1  # drive.lower; k > 0 is network k - 1
+
+LOWER_NET = np.dtype(
+    [
+        ("weight1", "f4", (ROUTE_WIDTH, HIDDEN)),  # [input, output], like the others
+        ("bias1", "f4", (HIDDEN,)),
+        ("weight2", "f4", (HIDDEN, HIDDEN)),
+        ("bias2", "f4", (HIDDEN,)),
+        ("weight3", "f4", (HIDDEN, N_ANSWERS)),
+        ("bias3", "f4", (N_ANSWERS,)),
+        ("ways", "u1"),  # 1: it was trained with the fastest ways in its state
+    ],
+    align=True,
+)
+"""One network of the lower level, as the drive loop reads it."""
+
+
+@kernel
+def route_values(state: Rows, net: Row, q: Rows) -> None:
+    """Values of the answers, valid or not: state f4 [Dl] -> q f4 [7]."""
+    first = net.bias1.copy()
+    add_layer(first, state, net.weight1)
+    relu(first)
+    second = net.bias2.copy()
+    add_layer(second, first, net.weight2)
+    relu(second)
+    q[:] = net.bias3
+    add_layer(q, second, net.weight3)
+
+
+@kernel
+def best_answer(q: Rows, mask: Rows) -> int:
+    """The valid answer of the highest value, the first of equals: q [7], mask [7]."""
+    best = STAY
+    for a in range(q.size):
+        if mask[a] != 0 and (q[a] > q[best] or mask[best] == 0):
+            best = a
+    return best
+
+
+@kernel
+def asks(plan: Row) -> bool:
+    """Kinds of tasks for which a piece may have to go somewhere."""
+    return plan.kind != TaskKind.STOP and plan.kind != TaskKind.RECOVER
+
+
+@kernel
+def note_answer(answer: int, piece: Row, plan: Row, tick: int) -> None:
+    """Keep an answer, 0 or a direction in the camp's frame + 1, until the next cell or decision."""
+    plan.asked_at = tick
+    plan.direction = STAY if answer == STAY else 1 + frame_direction(answer - 1, piece.camp)
+    plan.state = STAYING if answer == STAY else WALKING
+
+
+@kernel
+def ask_network(piece: Row, plan: Row, net: Row, rules: Row, cells: Rows, eta: Rows) -> int:
+    """The network's answer for a piece on its way to `plan.goal`."""
+    state, mask = np.zeros(ROUTE_WIDTH, np.float32), np.zeros(N_ANSWERS, np.int8)
+    observe_route(
+        piece.kind,
+        piece.camp,
+        plan.kind,
+        piece.cell,
+        plan.goal,
+        net.ways == 1,
+        rules,
+        cells,
+        eta,
+        state,
+        mask,
+    )
+    q = np.zeros(N_ANSWERS, np.float32)
+    route_values(state, net, q)
+    return best_answer(q, mask)
+
+
+@kernel
+def kept_answer(i: int, drive: Row, piece: Row, rules: Row, cells: Rows) -> int:
+    """The direction that the piece was told to keep; staying once it cannot go on."""
+    answer = int(drive.kept[i])
+    if answer != STAY:
+        direction = frame_direction(answer - 1, piece.camp)
+        if hop_from(piece.kind, piece.cell, direction, rules, cells) == 0:
+            drive.kept[i] = STAY
+    return int(drive.kept[i])
+
+
+@kernel
+def answer_piece(
+    i: int, drive: Row, game: Row, pieces: Rows, memory: Rows, plans: Rows, rules: Row, cells: Rows, los: Rows,
+    eta: Rows, nets: Rows,
+) -> None:  # fmt: skip
+    """Answer for piece i, or mark it as waiting for somebody outside."""
+    piece, plan = pieces[i], plans[i]
+    plan.goal = right_place(i, pieces, memory, plans, rules, cells, los, eta)
+    lower = drive.lower[piece.camp]
+    if plan.goal == NO_CELL or not has_way(piece.kind, piece.cell, plan.goal, rules, cells, eta):
+        note_answer(STAY, piece, plan, game.tick)
+    elif (drive.outside >> i) & 1:
+        drive.waiting |= np.uint32(1 << i)
+    elif lower == KEPT:
+        note_answer(kept_answer(i, drive, piece, rules, cells), piece, plan, game.tick)
+    else:
+        note_answer(ask_network(piece, plan, nets[lower - 1], rules, cells, eta), piece, plan, game.tick)
+
+
+@kernel
+def answer_pieces(
+    camp: int, drive: Row, game: Row, pieces: Rows, memory: Rows, plans: Rows, rules: Row, cells: Rows, los: Rows,
+    eta: Rows, nets: Rows,
+) -> bool:  # fmt: skip
+    """Answer for the camp's pieces that ask, where it is not the heuristic that does; False: somebody waits."""
+    drive.waiting = 0
+    for i in range(first_piece(camp, game), end_piece(camp, game)):
+        if drive.lower[camp] == HEURISTIC and (drive.outside >> i) & 1 == 0:
+            continue
+        if can_end(pieces[i], plans[i]):
+            end_task(i, game, pieces, memory, plans, rules)
+        if asks(plans[i]) and needs_answer(pieces[i], plans[i], game.tick):
+            answer_piece(i, drive, game, pieces, memory, plans, rules, cells, los, eta, nets)
+    return drive.waiting == 0
+
+
+@kernel
+def tell_pieces(
+    which: Rows, numbers: Rows, answers: Rows, drives: Rows, games: Rows, pieces: Rows, plans: Rows
+) -> None:
+    """Give answers[k] to piece numbers[k] of game which[k], which waits for it."""
+    for k in range(which.size):
+        b, i = which[k], numbers[k]
+        note_answer(answers[k], pieces[b, i], plans[b, i], games[b].tick)
+        drives[b].waiting &= ~np.uint32(1 << i)

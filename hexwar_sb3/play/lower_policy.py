@@ -1,0 +1,188 @@
+"""Who may answer for pieces on their way: the heuristic, a network without torch, or any callable."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hexwar_sb3.errors import ConfigError, PolicyFileError, UnknownNameError
+from hexwar_sb3.kernels import Row, Rows, kernel
+from hexwar_sb3.play.lower import HIDDEN, LOWER_NET, best_answer, route_values
+from hexwar_sb3.play.policy_files import CONFIG_FILE, PolicyFormat, Weights
+from hexwar_sb3.tasks.features import ROUTE, ROUTE_WIDTH
+from hexwar_sb3.tasks.route import N_ANSWERS
+
+HEURISTIC_LOWER = "heuristic"
+FOLDER = "lower"  # within the folder of a policy of the task level
+FORMAT = PolicyFormat(
+    "hexwar route policy",
+    1,
+    {
+        "layer1.weight": ("hidden1", "state"),
+        "layer1.bias": ("hidden1",),
+        "layer2.weight": ("hidden2", "hidden1"),
+        "layer2.bias": ("hidden2",),
+        "layer3.weight": ("answers", "hidden2"),
+        "layer3.bias": ("answers",),
+    },
+)
+SIZES = {"state": ROUTE_WIDTH, "hidden1": HIDDEN, "hidden2": HIDDEN, "answers": N_ANSWERS}
+N_NUMBERS = sum(int(np.prod([SIZES[axis] for axis in axes])) for axes in FORMAT.layers.values())
+FEATURES = hashlib.sha256(repr(ROUTE).encode()).hexdigest()[:16]  # of the state that it reads
+
+Answerer: TypeAlias = Callable[[NDArray[np.float32], NDArray[np.int8]], NDArray[Any]]
+"""(states [n, Dl], masks [n, 7]) -> answers [n]: 0 stay and perform, or 1 + a direction in the camp's frame."""
+
+
+class FrozenLower:
+    """The lower level's network, frozen; it runs inside the drive loop.
+
+    Args:
+        weights: two layers of 64 and the values of 7 answers, by name, [output, input].
+        ways: it was trained with the fastest ways in its state.
+        about: what it was trained on.
+
+    Raises:
+        ConfigError: other layers, or numbers that are not finite.
+    """
+
+    def __init__(
+        self, weights: Weights, *, ways: bool = True, about: Mapping[str, str] | None = None
+    ) -> None:
+        self.weights = {name: np.asarray(weights[name], np.float32) for name in FORMAT.layers}
+        self.ways = ways
+        self.about = {**(about or {}), "features": FEATURES, "ways": "yes" if ways else "no"}
+        problem = FORMAT.why_unusable(self.weights, SIZES)
+        if problem:
+            raise ConfigError(f"no network for the drive loop: {problem}")
+
+    def record(self) -> Row:
+        """The network as the drive loop reads it, LOWER_NET."""
+        row = np.zeros((), LOWER_NET)
+        for k in (1, 2, 3):
+            row[f"weight{k}"] = self.weights[f"layer{k}.weight"].T
+            row[f"bias{k}"] = self.weights[f"layer{k}.bias"]
+        row["ways"] = self.ways
+        return row
+
+    def numbers(self) -> NDArray[np.float32]:
+        """All weights in one row, in the order of FORMAT."""
+        return np.concatenate([self.weights[name].ravel() for name in FORMAT.layers])
+
+    @classmethod
+    def of_numbers(cls, numbers: NDArray[np.float32], *, ways: bool) -> FrozenLower:
+        """Make a network of what `numbers` gave."""
+        shapes = [tuple(SIZES[axis] for axis in axes) for axes in FORMAT.layers.values()]
+        ends = np.cumsum([np.prod(shape) for shape in shapes])
+        parts = np.split(numbers, ends[:-1])
+        weights = {
+            name: part.reshape(shape) for name, part, shape in zip(FORMAT.layers, parts, shapes, strict=True)
+        }
+        return cls(weights, ways=ways)
+
+    def q_values(self, states: NDArray[np.float32]) -> NDArray[np.float32]:
+        """Values of all answers, valid or not: [n, Dl] -> [n, 7]."""
+        q = np.zeros((len(states), N_ANSWERS), np.float32)
+        _all_values(np.ascontiguousarray(states, np.float32), self._nets(), q)
+        return q
+
+    def __call__(self, states: NDArray[np.float32], masks: NDArray[np.int8]) -> NDArray[np.int64]:
+        """Best valid answers [n]."""
+        answers = np.zeros(len(states), np.int64)
+        _all_answers(self.q_values(states), masks, answers)
+        return answers
+
+    def _nets(self) -> Rows:
+        return self.record().reshape(1).view(np.recarray)
+
+    def save(self, folder: str | Path) -> None:
+        """Write the folder `config.json` + `weights.safetensors`."""
+        FORMAT.save(Path(folder), self.weights, self.about, {})
+
+    @classmethod
+    def load(cls, folder: str | Path) -> FrozenLower:
+        """Read a folder; nothing in it is run.
+
+        Raises:
+            PolicyFileError: it is broken, or its state has other features than this version's.
+        """
+        config, weights = FORMAT.load(Path(folder))
+        about = config["about"]
+        if about.get("features") != FEATURES or config["sizes"] != SIZES:
+            raise PolicyFileError(
+                Path(folder) / CONFIG_FILE,
+                "features",
+                found=f"{about.get('features')!r}, sizes {config['sizes']}",
+                expected=f"{FEATURES!r}, sizes {SIZES}: train the lower level anew",
+            )
+        return cls(weights, ways=about.get("ways") == "yes", about=about)
+
+
+Lower: TypeAlias = str | FrozenLower | Answerer
+
+
+def make_lower(lower: object) -> Lower:
+    """Turn "heuristic", a folder, a network or a callable into a lower level.
+
+    A folder is that of a lower policy, of a policy with one in it, or of a run.
+
+    Raises:
+        UnknownNameError: neither "heuristic" nor a folder.
+        PolicyFileError: the folder is broken.
+        ConfigError: the object cannot answer.
+    """
+    if isinstance(lower, str | Path):
+        return _named_lower(lower)
+    if callable(lower):
+        return lower
+    raise ConfigError(
+        f'lower is "heuristic", a folder or a callable (states, masks) -> answers, got {lower!r}'
+    )
+
+
+def _named_lower(name: str | Path) -> Lower:
+    if name == HEURISTIC_LOWER:
+        return HEURISTIC_LOWER
+    folder = Path(name)
+    for place in (folder / "policy" / FOLDER, folder / FOLDER, folder):
+        if (place / CONFIG_FILE).is_file():
+            return FrozenLower.load(place)
+    if folder.exists():
+        raise PolicyFileError(
+            folder, CONFIG_FILE, found="nothing", expected="a lower policy, or a folder with one"
+        )
+    raise UnknownNameError("lower", str(name), (HEURISTIC_LOWER,))
+
+
+def check_answers(answers: object, masks: NDArray[np.int8]) -> NDArray[np.int64]:
+    """Check what a callable answered.
+
+    Raises:
+        ConfigError: other than one valid answer a row.
+    """
+    found = np.asarray(answers)
+    if found.shape != (len(masks),) or found.dtype.kind not in "iu":
+        raise ConfigError(
+            f"a lower level must give {len(masks)} whole numbers, one a row, got {found.dtype} {found.shape}"
+        )
+    known = (found >= 0) & (found < N_ANSWERS)
+    if not (known & (masks[np.arange(len(masks)), np.where(known, found, 0)] != 0)).all():
+        raise ConfigError(f"a lower level must give valid answers by the masks, got {found.tolist()}")
+    return found.astype(np.int64)
+
+
+@kernel
+def _all_values(states: Rows, nets: Rows, q: Rows) -> None:
+    for n in range(states.shape[0]):
+        route_values(states[n], nets[0], q[n])
+
+
+@kernel
+def _all_answers(q: Rows, masks: Rows, answers: Rows) -> None:
+    for n in range(answers.size):
+        answers[n] = best_answer(q[n], masks[n])

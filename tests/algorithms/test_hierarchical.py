@@ -1,0 +1,174 @@
+"""Both levels in one model: phases, one zip, resume in each phase (III-C, "Alternate Training")."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import torch
+from stable_baselines3.common.callbacks import BaseCallback
+from stable_baselines3.common.vec_env import VecEnv
+
+from hexwar_sb3.algorithms.checkpoint import load_checkpoint, save_checkpoint
+from hexwar_sb3.algorithms.hierarchical import HierarchicalQMIX
+from hexwar_sb3.algorithms.qmix import QMIX
+from hexwar_sb3.envs.registration import make_vec_env
+from hexwar_sb3.errors import ConfigError
+from hexwar_sb3.play.lower_policy import HEURISTIC_LOWER, FrozenLower
+from hexwar_sb3.play.match import play_games
+
+STEPS = 384  # env steps of the upper level: 16 games of 24 decisions
+UPPER: dict[str, Any] = {"seed": 1, "learning_starts": 48, "buffer_size": 400, "batch_size": 16}
+LEVELS: dict[str, Any] = {
+    "phase_ticks": (9_000, 4_000),
+    "lower_kwargs": {"learning_starts": 50, "buffer_size": 500, "batch_size": 16, "gradient_steps": 1},
+    "route_kwargs": {"n_envs": 4, "scenario": ["plain"]},
+}
+BREAKS: dict[str, Callable[[HierarchicalQMIX], bool]] = {
+    "upper": lambda owner: owner.num_timesteps >= 60,
+    "lower": lambda owner: owner.lower_ticks >= 2_000,
+    "upper again": lambda owner: owner.num_timesteps >= 180,
+    "lower again": lambda owner: owner.lower_ticks >= 6_000,
+}
+
+
+def games() -> VecEnv:
+    return make_vec_env(n_envs=4, opponent=["MA1", "MA2"], side="both", seed=5, privileged_state=True)
+
+
+def model(takeover: float = 0.0, **options: Any) -> HierarchicalQMIX:
+    return HierarchicalQMIX(
+        "HierarchicalPolicy", games(), **{**UPPER, **LEVELS, "takeover": takeover, **options}
+    )
+
+
+def sha256(trained: HierarchicalQMIX) -> str:
+    digest = hashlib.sha256()
+    for part in (trained.policy, trained.lower.policy):
+        for tensor in part.state_dict().values():
+            digest.update(tensor.numpy().tobytes())
+    return digest.hexdigest()
+
+
+class Watch(BaseCallback):
+    """Saves at some moments, and notes in which phase that was."""
+
+    def __init__(self, folder: Path) -> None:
+        super().__init__()
+        self.folder = folder
+        self.phases: dict[str, bool] = {}
+
+    def _on_rollout_start(self) -> None:
+        owner = self.model
+        assert isinstance(owner, HierarchicalQMIX)
+        for name, has_come in BREAKS.items():
+            if name not in self.phases and has_come(owner):
+                self.phases[name] = owner.lower_is_due
+                save_checkpoint(owner, self.folder / name)
+
+    def _on_step(self) -> bool:
+        return True
+
+
+@pytest.fixture(scope="module")
+def unbroken(tmp_path_factory: pytest.TempPathFactory) -> tuple[HierarchicalQMIX, Watch]:
+    """A whole training, and checkpoints of it in every phase."""
+    watch = Watch(tmp_path_factory.mktemp("checkpoints"))
+    trained = model()
+    trained.learn(STEPS, callback=watch)
+    return trained, watch
+
+
+def test_the_levels_are_trained_in_turn(unbroken: tuple[HierarchicalQMIX, Watch]) -> None:
+    """The upper level first; each phase of the lower one lasts its ticks, and a vector step at most longer."""
+    trained, watch = unbroken
+
+    assert watch.phases == {"upper": False, "lower": True, "upper again": False, "lower again": True}
+    assert trained.num_timesteps == STEPS
+    assert trained.upper_ticks == STEPS * 75
+    assert 3 * 4_000 <= trained.lower_ticks < 3 * 4_000 + 4 * 400
+    assert trained.lower.num_timesteps > 0
+
+
+@pytest.mark.parametrize("phase", BREAKS)
+def test_resumed_in_any_phase_is_unbroken(unbroken: tuple[HierarchicalQMIX, Watch], phase: str) -> None:
+    trained, watch = unbroken
+    np.random.seed(99)  # noqa: NPY002  # another process has other random numbers
+    torch.manual_seed(99)
+
+    resumed = load_checkpoint(watch.folder / phase, games(), HierarchicalQMIX)
+    assert isinstance(resumed, HierarchicalQMIX)
+    assert resumed.lower_is_due == watch.phases[phase]
+    resumed.learn(STEPS - resumed.num_timesteps, reset_num_timesteps=False)
+
+    assert sha256(resumed) == sha256(trained)
+    assert resumed.lower_ticks == trained.lower_ticks
+
+
+def test_one_zip_holds_both_levels(unbroken: tuple[HierarchicalQMIX, Watch], tmp_path: Path) -> None:
+    trained, _ = unbroken
+    trained.save(tmp_path / "model")
+    loaded = HierarchicalQMIX.load(tmp_path / "model")
+
+    assert sha256(loaded) == sha256(trained)
+    assert loaded.leads
+    assert isinstance(loaded.policy.lower, FrozenLower)
+    assert isinstance(trained.policy.lower, FrozenLower)
+    assert loaded.policy.lower.numbers().tolist() == trained.policy.lower.numbers().tolist()
+
+
+def test_the_frozen_policy_has_the_lower_level(
+    unbroken: tuple[HierarchicalQMIX, Watch], tmp_path: Path
+) -> None:
+    """The model, its frozen copy and the folder play the same games."""
+    trained, _ = unbroken
+    frozen = trained.policy.freeze()
+    frozen.save(tmp_path / "policy")
+
+    margins = [
+        play_games(player, "MA1", 2).margins.tolist() for player in (trained, frozen, tmp_path / "policy")
+    ]
+
+    assert margins[0] == margins[1] == margins[2]
+    assert isinstance(frozen.lower, FrozenLower)
+
+
+def test_the_heuristic_leads_until_the_lower_level_finds_its_ways() -> None:
+    """With takeover 1 it would have to finish every test route; after so little training it does not."""
+    trained = model(takeover=1.0)
+    trained.learn(STEPS // 2)
+
+    assert trained.lower_ticks > 0
+    assert not trained.leads
+    assert trained.policy.lower == HEURISTIC_LOWER
+    assert trained.env is not None
+    assert trained.env.get_attr("games")[0].lower == HEURISTIC_LOWER
+
+
+def test_without_lower_phases_it_is_qmix() -> None:
+    both = model(phase_ticks=(1, 0))
+    both.learn(STEPS // 2)
+    alone = QMIX("TaskPolicy", games(), **UPPER).learn(STEPS // 2)
+
+    assert both.lower_ticks == 0
+    for mine, its in zip(both.policy.parameters(), alone.policy.parameters(), strict=True):
+        assert torch.equal(mine, its)
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"phase_ticks": (0, 1)}, r"phase_ticks must be at least \(1, 0\), got \(0, 1\)"),
+        ({"takeover": 1.5}, r"takeover must be in \[0, 1\], got 1.5"),
+        ({"lower_kwargs": {"gamma": 1.5}}, r"gamma must be in \[0, 1\], got 1.5"),
+        ({"route_kwargs": {"alpha": -1.0}}, "alpha must be finite and at least 0"),
+        ({"route_kwargs": {"beta": 1.0}}, r"beta must be in \[0, 1\)"),
+    ],
+)
+def test_settings_out_of_range_are_refused_at_once(options: dict[str, Any], message: str) -> None:
+    with pytest.raises(ConfigError, match=message):
+        model(**options)

@@ -1,0 +1,69 @@
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from matplotlib.figure import Figure
+
+from hexwar_sb3.experiments.fig7 import draw, runs
+from hexwar_sb3.experiments.runs import Budget, Places, choose
+
+MakeFolder = Callable[..., Path]
+RUNS = runs(Budget(games=100), [0, 1])
+
+
+@pytest.fixture
+def figures(monkeypatch: pytest.MonkeyPatch) -> list[Figure]:
+    """Figures that were saved."""
+    saved: list[Figure] = []
+    save = Figure.savefig
+
+    def keep(figure: Figure, *args: object, **kwargs: object) -> None:
+        saved.append(figure)
+        save(figure, *args, **kwargs)  # type: ignore[arg-type]  # passed on as they came
+
+    monkeypatch.setattr(Figure, "savefig", keep)
+    return saved
+
+
+def test_the_figure_draws_what_is_there(
+    places: Places, make_results: MakeFolder, figures: list[Figure], tmp_path: Path
+) -> None:
+    for run, margin in zip(choose(RUNS, ["hrl-plain", "dqn-hills"]), (10.0, 30.0, -50.0), strict=True):
+        make_results(run, margin=margin, minutes=margin + 60)
+
+    draw(RUNS, places, tmp_path / "fig7.png")
+
+    (figure,) = figures
+    titles = [axes.get_title() for axes in figure.axes]
+    assert titles[::2] == [
+        "plain, against MA1",
+        "plain, against MA2",
+        "hills, against MA1",
+        "hills, against MA2",
+    ]
+    legends = [axes.get_legend_handles_labels()[1] for axes in figure.axes]
+    assert (legends[0], legends[4]) == (["HRL, 2 seeds, 80 min each"], ["DQN, 1 seed, 10 min each"])
+    assert (tmp_path / "fig7.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_a_curve_is_the_mean_over_seeds_and_its_band_their_range(
+    places: Places, make_results: MakeFolder, figures: list[Figure], tmp_path: Path
+) -> None:
+    """Margins against MA1 are those of the first four games: 0, 1, 2, 3 above the seed's own."""
+    for run, margin in zip(choose(RUNS, ["hrl-plain"]), (10.0, 30.0), strict=True):
+        make_results(run, margin=margin)
+
+    draw(RUNS, places, tmp_path / "fig7.png")
+
+    axes = figures[0].axes[1]
+    assert axes.lines[0].get_xydata().tolist() == [[0.0, 21.5], [100.0, 21.5]]
+    band = axes.collections[0].get_paths()[0].get_extents()
+    assert (band.y0, band.y1) == (11.5, 31.5)
+
+
+def test_without_results_the_figure_is_empty(places: Places, figures: list[Figure], tmp_path: Path) -> None:
+    draw(RUNS, places, tmp_path / "fig7.png")
+
+    assert [axes.get_title() for axes in figures[0].axes] == ["", "", "", ""]

@@ -1,0 +1,158 @@
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import asdict
+from pathlib import Path
+
+import pytest
+import tyro
+
+from hexwar_sb3.cli import parse
+from hexwar_sb3.commands.flat_dqn import FlatDqn
+from hexwar_sb3.commands.train import Train
+from hexwar_sb3.errors import ConfigError, UnknownNameError
+from hexwar_sb3.experiments import ablation, fig7
+from hexwar_sb3.experiments.runs import FLAT_DQN, HEXWAR, Budget, Places, Run, State, choose, dqn_run, hrl_run
+
+MakeFolder = Callable[..., Path]
+
+BUDGET = Budget(games=100)
+RUNS = {run.row: run for module in (fig7, ablation) for run in module.runs(BUDGET, [0])}
+TRAINED = {row: run for row, run in RUNS.items() if run.module == HEXWAR}
+DIFFERS = {
+    "vdn": "mixer",
+    "iql": "mixer",
+    "warm-start": "warm_start",
+    "no-demos": "demo_share",
+    "one-step": "n_steps",
+    "plain-epsilon": "stickiness",
+    "only-ma1": "opponents",
+    "only-ma2": "opponents",
+    "ticks-15": "decision_ticks",
+    "ticks-300": "decision_ticks",
+    "gamma-1": "gamma",
+    "paper-reward": "reward",
+    "event-decisions": "decisions",
+    "spots-3": "spots",
+    "spots-12": "spots",
+    "lambda-08": "td_lambda",
+    "single-q": "double_q",
+    "paper-preset": "preset",
+    "hrl-plain": "lower",
+}
+SCALED = {"n_timesteps", "eval_freq", "save_freq"}  # with the env steps of a game
+RUN = hrl_run("fig7", "hrl-plain", 0, BUDGET)
+
+
+def settings_of(run: Run) -> Train:
+    settings = parse(run.arguments)
+    assert isinstance(settings, Train)
+    return settings
+
+
+@pytest.mark.parametrize("row", TRAINED)
+def test_every_run_is_a_command_of_hexwar_train_with_the_same_games(row: str) -> None:
+    settings = settings_of(TRAINED[row])
+
+    assert settings.games == 100
+    assert settings.n_timesteps == 10 * settings.eval_freq == 5 * settings.save_freq
+
+
+@pytest.mark.parametrize("row", [row for row in RUNS if row not in TRAINED])
+def test_every_baseline_is_a_command_of_the_flat_dqn_with_the_same_games(row: str) -> None:
+    settings = tyro.cli(FlatDqn, args=RUNS[row].arguments)
+
+    assert (settings.games, settings.eval_freq) == (100, 10)
+    assert settings.scenario == row.removeprefix("dqn-")
+
+
+@pytest.mark.parametrize("row", DIFFERS)
+def test_a_row_of_the_ablation_differs_from_the_base_in_one_thing(row: str) -> None:
+    ours, base = asdict(settings_of(RUNS[row])), asdict(settings_of(RUNS["base"]))
+
+    assert {name for name in ours if ours[name] != base[name]} - SCALED == {DIFFERS[row]}
+
+
+def test_the_ablation_has_every_row_that_was_tried() -> None:
+    rows = [run.row for run in ablation.runs(BUDGET, [0])]
+
+    assert sorted(rows) == sorted([*DIFFERS, "base", "dqn-plain"])
+    assert set(ablation.SAYS) == set(rows)
+
+
+def test_the_figure_has_all_seeds_on_the_first_map_and_one_on_the_others() -> None:
+    names = [run.name for run in fig7.runs(BUDGET, [0, 1, 2])]
+
+    assert sorted(names) == sorted(
+        f"{method}-{row}"
+        for method in ("hrl", "dqn")
+        for row in ("plain-0", "plain-1", "plain-2", "hills-0", "paddy-0")
+    )
+
+
+def test_rows_that_both_experiments_have_are_the_same_runs() -> None:
+    shared = {run for run in ablation.runs(BUDGET, [0]) if run.experiment == "fig7"}
+
+    assert shared <= set(fig7.runs(BUDGET, [0]))
+    assert {run.row for run in shared} == {"hrl-plain", "dqn-plain"}
+
+
+def test_a_command_says_all_that_makes_the_run_again() -> None:
+    assert RUN.command == (
+        "hexwar train --scenario plain --seed 0 --n-timesteps 2400 --decision-ticks 75 --eval-freq 240 "
+        "--save-freq 480 --eval-games 64 --final-games 1000"
+    )
+    assert dqn_run("fig7", "dqn-plain", 0, BUDGET).command.startswith(
+        f"python -m {FLAT_DQN} --scenario plain"
+    )
+
+
+def test_a_run_is_missing_then_broken_off_then_done(places: Places, make_results: MakeFolder) -> None:
+    states = [places.state(RUN)]
+    folder = places.work / "fig7" / "hrl-plain-0_1"
+    folder.mkdir(parents=True)
+    (folder / "command.txt").write_text(f"{RUN.command} --runs x --name y", encoding="utf-8")
+    states.append(places.state(RUN))
+    (folder / "checkpoint.npz").touch()
+    states.append(places.state(RUN))
+    folder.rename(folder.with_name("hrl-plain-0_0"))
+    make_results(RUN)
+    states.append(places.state(RUN))
+
+    assert states == [State.MISSING, State.MISSING, State.BROKEN_OFF, State.DONE]
+
+
+def test_the_newest_folder_of_the_very_command_is_gone_on_with(places: Places) -> None:
+    for k, command in ((2, RUN.command), (10, RUN.command), (11, RUN.command + "0")):
+        folder = places.work / "fig7" / f"hrl-plain-0_{k}"
+        folder.mkdir(parents=True)
+        (folder / "command.txt").write_text(f"{command} --runs x --name y", encoding="utf-8")
+
+    assert places.folder(RUN) == places.work / "fig7" / "hrl-plain-0_10"
+
+
+def test_results_of_another_command_are_refused_with_both_commands(
+    places: Places, make_results: MakeFolder
+) -> None:
+    make_results(RUN)
+    other = hrl_run("fig7", "hrl-plain", 0, Budget(games=200))
+
+    with pytest.raises(ConfigError, match=r"n-timesteps 2400 .*, not by .*n-timesteps 4800"):
+        places.state(other)
+
+
+def test_runs_are_chosen_by_row_or_by_name() -> None:
+    runs = ablation.runs(BUDGET, [0, 1])
+
+    assert [run.name for run in choose(runs, ["vdn", "iql-1"])] == ["vdn-0", "vdn-1", "iql-1"]
+    assert choose(runs, []) == runs
+
+
+def test_an_unknown_run_is_met_with_the_nearest_one() -> None:
+    with pytest.raises(UnknownNameError, match=r"unknown run 'vdn-7'; did you mean 'vdn-[01]'"):
+        choose(ablation.runs(BUDGET, [0, 1]), ["vdn-7"])
+
+
+def test_a_budget_of_nothing_is_refused() -> None:
+    with pytest.raises(ConfigError, match="games must be at least 1, got 0"):
+        Budget(games=0)
