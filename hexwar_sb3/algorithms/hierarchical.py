@@ -30,14 +30,14 @@ from hexwar_sb3.policies.task_policy import TaskPolicy
 
 LOWER_DEFAULTS: dict[str, Any] = {
     "gamma": 0.9,  # of a base hop; short: with the potential each hop pays at once
-    "learning_rate": 1e-3,
-    "final_learning_rate": 5e-5,
-    "learning_rate_steps": 300_000,
-    "buffer_size": 300_000,
-    "batch_size": 256,
-    "train_freq": 1,
-    "gradient_steps": 2,
-    "tau": 0.02,
+    "learning_rate": 2e-3,
+    "final_learning_rate": 2e-5,
+    "learning_rate_steps": 450_000,
+    "buffer_size": 400_000,
+    "batch_size": 1024,  # large, and few updates: the camp's reward is three times as loud as a hop lost
+    "train_freq": 4,
+    "gradient_steps": 1,
+    "tau": 0.05,
     "target_update_interval": 1,
     "exploration_final_eps": 0.1,
     "exploration_steps": 40_000,
@@ -85,10 +85,10 @@ class HierarchicalQMIX(QMIX):
         env: GymEnv | str | None,
         *args: Any,
         lower_env: VecEnv | None = None,
-        phase_ticks: tuple[int, int] = (4_500_000, 4_500_000),
+        phase_ticks: tuple[int, int] = (3_000_000, 2_500_000),
         lower_kwargs: dict[str, Any] | None = None,
         route_kwargs: dict[str, Any] | None = None,
-        takeover: float = 0.9,
+        takeover: float = 0.97,
         _init_setup_model: bool = True,
         **kwargs: Any,
     ) -> None:

@@ -25,7 +25,7 @@ from hexwar_sb3.algorithms.model_file import PlainZip
 from hexwar_sb3.algorithms.plain_spaces import plain_boxes, space_of_boxes
 from hexwar_sb3.algorithms.ranges import check_ranges
 from hexwar_sb3.algorithms.timed_replay import TimedReplayBuffer
-from hexwar_sb3.errors import ConfigError
+from hexwar_sb3.errors import ConfigError, TrainingError
 from hexwar_sb3.policies.masked import MASK, MaskedDQNPolicy, MaskedQRDQNPolicy, check_masked_spaces
 
 Observation = Mapping[str, NDArray[Any]]
@@ -231,6 +231,19 @@ class MaskedLearner(MaskedExploration, PlainZip):
             self.logger.record("train/learning_rate", rate)
             for optimizer in optimizers if isinstance(optimizers, list) else [optimizers]:
                 update_learning_rate(optimizer, rate)
+
+    def train(self, gradient_steps: int, batch_size: int = 100) -> None:
+        """Make updates as SB3 does, and stop if the network is no longer one.
+
+        Raises:
+            TrainingError: a weight is not finite; a checkpoint that was taken before holds finite ones.
+        """
+        super().train(gradient_steps, batch_size)
+        if not all(bool(torch.isfinite(weight).all()) for weight in self.policy.parameters()):
+            raise TrainingError(
+                f"update {self._n_updates}: the network's weights are not finite. Lower the learning rate, or"
+                " look for rewards or observations that are not finite; the last checkpoint is as it was"
+            )
 
     def _make_replay(self) -> TimedReplayBuffer:
         observation_space = cast("spaces.Dict", self.observation_space)

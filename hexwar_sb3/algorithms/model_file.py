@@ -117,7 +117,13 @@ class PlainZipAlgorithm(PlainZip):
 
     @classmethod
     def made_spaces(cls, data: dict[str, Any], env: GymEnv | None) -> dict[str, spaces.Space[Any]]:
-        """Take the env's spaces, with or without the mixer's state; without an env make the model's."""
+        """Take the env's spaces, with or without the mixer's state; without an env make the model's.
+
+        Raises:
+            CheckpointError: the zip holds a lower level too, and this class has none.
+        """
+        if "lower_counters" in data and "lower" not in cls.made_again:
+            raise CheckpointError("model", "data", found="two levels", expected="HierarchicalQMIX.load")
         shapes = TaskShapes(**data["task_sizes"])
         if env is None:
             return {"observation_space": shapes.observation_space(), "action_space": shapes.action_space()}

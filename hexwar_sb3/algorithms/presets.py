@@ -40,7 +40,7 @@ PRESETS = {
         demo_share=0.0,
         warm_start=1.0,
         env={"reward": "paper"},
-        route={"alpha": 0.01, "beta": 0.05, "beta_per": "hop", "ways": False},
+        route={"alpha": 0.01, "beta": 0.05, "beta_per": "hop", "ways": False, "gain_limit": float("inf")},
         learner={
             "learning_rate": 0.1,
             "tau": 0.1,

@@ -19,6 +19,7 @@ from hexwar_sb3.kernels import Row, Rows, kernel
 from hexwar_sb3.maps.geometry import NO_DIRECTION
 from hexwar_sb3.play.arena import Arena, Setup
 from hexwar_sb3.play.look import Sight
+from hexwar_sb3.play.lower_policy import HEURISTIC_LOWER, fastest_way_network
 from hexwar_sb3.play.match import play_games
 from hexwar_sb3.play.player import make_player
 from hexwar_sb3.rules.enums import Action, Camp
@@ -30,6 +31,7 @@ GAMES = 64  # of an engine or bot round
 LEG_TICKS = 600  # between two goals of a piece: about the way to a control point
 ENV_GAMES = 16  # of an env round
 THOUGHTS = 50  # about the same position
+ROUTE_GAMES, ROUTE_STEPS = 48, 100  # of a route env round, as the lower level trains
 ENV_STEPS = 480  # env steps of a round, each of all games
 
 
@@ -50,7 +52,8 @@ def game_figures(scenario: str, rounds: int) -> dict[str, float | None]:
         "bots_piece_ticks_per_s": bots * world.n_pieces,
         "bot_thought_us": thought_us(world),
         "task_env_steps_per_s": best(lambda k: env_round(scenario, k), rounds),
-        "task_env_net_steps_per_s": None,  # needs a network as lower policy
+        "task_env_net_steps_per_s": best(lambda k: env_round(scenario, k, fastest_way_network()), rounds),
+        "route_env_steps_per_s": best(lambda k: route_round(scenario, k), rounds),
     }
 
 
@@ -188,12 +191,24 @@ def make_every_step(
         )  # fmt: skip
 
 
-def env_round(scenario: str, seed: int) -> tuple[float, float]:
+def env_round(scenario: str, seed: int, lower: object = HEURISTIC_LOWER) -> tuple[float, float]:
     """Step the task env's native VecEnv with random valid tasks against MA1."""
-    env = make_vec_env("HexWarTask-v0", n_envs=ENV_GAMES, seed=seed, scenario=scenario, opponent="MA1")
+    env = make_vec_env(
+        "HexWarTask-v0", n_envs=ENV_GAMES, seed=seed, scenario=scenario, opponent="MA1", lower=lower
+    )
     rng, obs = np.random.default_rng(seed), env.reset()
     start = process_time()
     for _ in range(ENV_STEPS):
         mask = obs["action_mask"]  # type: ignore[call-overload]  # a Dict env gives a dict
         obs, _, _, _ = env.step((rng.random(mask.shape, np.float32) * mask).argmax(axis=-1))
     return float(ENV_STEPS * ENV_GAMES), process_time() - start
+
+
+def route_round(scenario: str, seed: int) -> tuple[float, float]:
+    """Step the route env's native VecEnv along the fastest ways."""
+    env = make_vec_env("HexWarRoute-v0", n_envs=ROUTE_GAMES, seed=seed, scenario=scenario)
+    lead, obs = fastest_way_network(), env.reset()
+    start = process_time()
+    for _ in range(ROUTE_STEPS):
+        obs, _, _, _ = env.step(lead(obs["obs"], obs["action_mask"]))  # type: ignore[call-overload]
+    return float(ROUTE_STEPS * ROUTE_GAMES), process_time() - start

@@ -33,7 +33,7 @@ class Experiments:
     seeds: tuple[int, ...] = (0, 1, 2)  # of every row; the other maps of fig7 have the first
     games: int = 10_000  # of a run
     eval_games: int = 64  # an opponent and colour, at each of the ten points of a curve
-    final_games: int = 1000  # an opponent and colour, on the page of a run
+    final_games: int = 2000  # an opponent and colour, on the page of a run
     jobs: int = 1  # runs side by side
     results: Path = Path("results")  # small files that are kept: RESULTS/EXPERIMENT/RUN/
     work: Path = Path("runs/experiments")  # run folders

@@ -89,7 +89,12 @@ class FlatDqn:
         model.save(untrained(folder))
         model.set_logger(configure(str(folder.path), ["csv"]))
         watch = FlatWinRate(self.decisions, self.eval_freq, self.opponents, self.terms(), folder=folder.path)
-        model.learn(self.most_turns, callback=CallbackList([watch, UntilGames(self.games)]), log_interval=200)
+        try:
+            model.learn(
+                self.most_turns, callback=CallbackList([watch, UntilGames(self.games)]), log_interval=200
+            )
+        finally:
+            model.logger.close()
         model.save(folder.model)
 
     def new_model(self) -> DQN:

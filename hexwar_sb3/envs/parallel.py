@@ -43,7 +43,7 @@ class TaskParallelEnv(ParallelEnv[str, Obs, int]):  # type: ignore[misc]  # Pett
         self.camps = SIDES if camps == "both" else (parse_camp(camps),)
         self.mixture = make_mixture(settings.opponent)
         world = load_world(settings.scenario)
-        self.arena = Arena(world, 1, setup_of(settings))
+        self.arena, self._net = Arena(world, 1, setup_of(settings)), settings.reward == "net"
         self.sights = {
             camp: Sight(world, camp, 1, dtype=settings.dtype, with_state=True) for camp in self.camps
         }
@@ -80,12 +80,12 @@ class TaskParallelEnv(ParallelEnv[str, Obs, int]):  # type: ignore[misc]  # Pett
         self, actions: dict[str, int]
     ) -> tuple[dict[str, Obs], dict[str, float], dict[str, bool], dict[str, bool], dict[str, dict[str, Any]]]:
         """Play one decision; an agent without an action, or with an illegal one, stops."""
-        before, tick = self._margins(), int(self.arena.state.games.tick[0])
+        before, tick = self._scores(), int(self.arena.state.games.tick[0])
         for camp in self.camps:
             self._choose(camp, actions)
         self._advance()
         self._look()
-        gain = {camp: after - before[camp] for camp, after in self._margins().items()}
+        gain = {camp: after - before[camp] for camp, after in self._scores().items()}
         over = bool(self.arena.state.games.over[0])
         ticks = int(self.arena.state.games.tick[0]) - tick
         acted = self.agents
@@ -136,9 +136,12 @@ class TaskParallelEnv(ParallelEnv[str, Obs, int]):  # type: ignore[misc]  # Pett
         for camp, sight in self.sights.items():
             self.arena.look(one, one, np.array([camp], np.int64), sight)
 
-    def _margins(self) -> dict[Camp, float]:
+    def _scores(self) -> dict[Camp, float]:
         one = np.zeros(1, np.int64)
-        return {camp: float(self.arena.margins(one, np.array([camp], np.int64))[0]) for camp in self.camps}
+        return {
+            camp: float(self.arena.scores(one, np.array([camp], np.int64), net=self._net)[0])
+            for camp in self.camps
+        }
 
     def _place(self, agent: str) -> tuple[Camp, int]:
         side, name = agent.split(":")

@@ -22,7 +22,7 @@ class RouteEnv(gymnasium.Env[Obs, np.int64]):
     An invalid direction stands for staying.
 
     Args:
-        render_mode: None; a game is watched as a replay, or in the task env.
+        render_mode: "rgb_array": `render` draws what the learner's camp knows; None: it does not.
         settings: fields of `RouteSettings`; one scenario.
 
     Raises:
@@ -34,12 +34,12 @@ class RouteEnv(gymnasium.Env[Obs, np.int64]):
         >>> obs, info = env.reset(seed=0)
     """
 
-    metadata: dict[str, Any] = {"render_modes": []}  # noqa: RUF012  (Gymnasium declares it so)
+    metadata: dict[str, Any] = {"render_modes": ["rgb_array"], "render_fps": 4}  # noqa: RUF012  (Gymnasium declares it so)
 
     def __init__(self, render_mode: str | None = None, **settings: Any) -> None:
-        if render_mode not in (None, "rgb_array"):  # SB3's make_vec_env asks for pictures without need
-            raise UnknownNameError("render_mode", render_mode, ())
-        self.render_mode = None
+        if render_mode is not None and render_mode not in self.metadata["render_modes"]:
+            raise UnknownNameError("render_mode", render_mode, self.metadata["render_modes"])
+        self.render_mode = render_mode
         self.venv = RouteVecEnv(1, route_settings(settings))
         self.observation_space, self.action_space = route_spaces()  # type: ignore[assignment]
         self._next: Obs | None = None  # first observation of the next route of this game
@@ -64,6 +64,15 @@ class RouteEnv(gymnasium.Env[Obs, np.int64]):
         last = info.pop("terminal_observation", None) or _first(obs)
         cut = bool(info.pop("TimeLimit.truncated", False))
         return last, float(rewards[0]), bool(dones[0]) and not cut, cut, info
+
+    def render(self) -> NDArray[np.uint8] | None:
+        """Draw what the learner's camp knows, [height, width, RGB]; None without a render mode."""
+        if self.render_mode is None:
+            return None
+        from hexwar_sb3.envs.render import draw_position  # matplotlib: only where it is asked for
+
+        tasks = self.venv.fields[0].tasks
+        return draw_position(tasks.arena, 0, int(tasks.camps[0]))
 
     def action_masks(self) -> NDArray[np.bool_]:
         """Valid answers [7] (sb3-contrib)."""

@@ -21,7 +21,7 @@ from hexwar_sb3.kernels import Rows
 from hexwar_sb3.maps.geometry import cells_apart
 from hexwar_sb3.play.arena import Games, Snapshot
 from hexwar_sb3.play.lower import asks
-from hexwar_sb3.play.lower_policy import FrozenLower
+from hexwar_sb3.play.lower_policy import FrozenLower, Lower
 from hexwar_sb3.play.player import BotPlayer, Player, make_player
 from hexwar_sb3.rules.enums import Camp
 from hexwar_sb3.tasks.choose import assign
@@ -67,11 +67,14 @@ class Focus:
     kind: NDArray[np.int64]  # of the task [n]
     target: NDArray[np.int64]
     cell: NDArray[np.int64]
+    hops: NDArray[np.int64]  # answers on this route so far
 
     @classmethod
     def none(cls, n: int) -> Focus:
         """Nobody is led."""
-        return cls(np.full(n, NO_FOCUS), np.full(n, -1), *(np.zeros(n, np.int64) for _ in _TASK_FIELDS))
+        return cls(
+            np.full(n, NO_FOCUS), np.full(n, -1), *(np.zeros(n, np.int64) for _ in (*_TASK_FIELDS, "hops"))
+        )
 
 
 class RouteGames:
@@ -102,6 +105,7 @@ class RouteGames:
         """Count games from 0 again, under another seed."""
         self.tasks.seed(seed)
         self.rng = np.random.default_rng([seed, len(self.all)])
+        self.focus.turn[:] = -1
 
     def set_upper(self, upper: object) -> None:
         """Let another policy give the tasks, from the next decision on."""
@@ -138,12 +142,14 @@ class RouteGames:
         goals = self.arena.plans.goal[self.all, self.focus.piece]
         hop.finished[:] = (answers == STAY) & (goals == self._pieces.cell[self.all, self.focus.piece])
         base = self._base_ticks()
+        self.focus.hops += 1
         self.arena.tell(self.all, self.focus.piece, answers)
         self._play_on(self.all[~hop.finished], hop)
         hop.ticks[:] = self.arena.state.games.tick - start
         hop.steps[:] = (hop.ticks + hop.rest) / base if self.settings.beta_per == "base_hop" else 1.0
-        gain = self.settings.alpha * (self.tasks.scores() - before)
-        hop.lower_reward[:] = hop.finished + gain - self.settings.beta * hop.steps
+        limit = self.settings.gain_limit
+        gain = np.clip(self.tasks.scores() - before, -limit, limit)
+        hop.lower_reward[:] = hop.finished + self.settings.alpha * gain - self.settings.beta * hop.steps
         hop.reward[:] = hop.lower_reward + self._gained_potential(hop)
         return hop
 
@@ -166,6 +172,7 @@ class RouteGames:
         """Give tasks in these games: kept ones, those of the upper level, and walks to random cells."""
         if not which.size:
             return
+        self.arena.ask(which.tolist())  # an opponent that is a policy
         pieces = self._own_pieces(which)
         at = which[:, None], pieces
         before = self.arena.plans[at].copy().view(np.recarray)
@@ -173,7 +180,11 @@ class RouteGames:
         mask = obs["action_mask"] != 0
         wanted = self._random_tasks(mask) if self.upper is None else np.asarray(self.upper.act(obs))
         self.arena.choose(which, which, self.tasks.camps[which], wanted, self.tasks.sight)
-        kept = (before.state != ENDED) & (self.rng.random(pieces.shape) < self.settings.keep_task)
+        kept = self.rng.random(pieces.shape) < self.settings.keep_task
+        kept |= (pieces == self.focus.piece[which, None]) & (
+            self.focus.hops[which, None] <= 1
+        )  # a hop at least
+        kept &= (before.state != ENDED) & (before.chosen_at >= 0)
         self.arena.plans[which.repeat(pieces.shape[1])[kept.ravel()], pieces[kept]] = before[kept]
         wanders = ~kept & (self.rng.random(pieces.shape) < self.settings.wander)
         for row, slot in np.argwhere(wanders):
@@ -261,6 +272,7 @@ class RouteGames:
         )
         for name in _TASK_FIELDS:
             getattr(self.focus, name)[b] = plan[name]
+        self.focus.hops[b] = 0
         if plan.goal != piece.cell:
             return True
         self.arena.tell(np.array([b]), self.focus.piece[[b]], np.array([STAY]))
@@ -323,6 +335,17 @@ class RouteGames:
         for name, value in vars(self.focus).items():
             value[...] = snapshot[f"focus_{name}"]
         self.rng.bit_generator.state = json.loads(str(snapshot["rng"]))
+
+
+def check_leader(lower: Lower) -> Lower:
+    """Check that a lower level may lead the pieces that are not in focus: it must run inside the drive loop.
+
+    Raises:
+        ConfigError: it is a callable.
+    """
+    if not isinstance(lower, str | FrozenLower):
+        raise ConfigError("the route env leads its other pieces by the heuristic or a network, no callable")
+    return lower
 
 
 def _hops_left(states: NDArray[np.float32]) -> NDArray[np.float64]:

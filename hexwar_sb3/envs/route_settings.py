@@ -43,6 +43,9 @@ class RouteSettings:
         True  # the fastest ways over the known map are part of the state; else the six neighbours alone
     )
     alpha: float = 0.01  # weight of the camp's reward; >= 0 (IV)
+    gain_limit: float = (
+        10.0  # points: r_Sigma of a step is cut off here, or the fall of a point drowns ten hops
+    )
     beta: float = 0.05  # cost of a step; in [0, 1) (IV)
     beta_per: str = (
         "base_hop"  # a step is the type's hop on open ground, in ticks; "hop": one answer, to the letter
@@ -66,6 +69,8 @@ class RouteSettings:
         check_share("wander", self.wander)
         check_whole("decision_ticks", self.decision_ticks, least=1)
         check_share("shaping", self.shaping)
+        if not self.gain_limit > 0.0:
+            raise ConfigError(f"gain_limit must be above 0 points, got {self.gain_limit!r}")
         check_alpha_beta(self.alpha, self.beta)
         if not self.fields:
             raise ConfigError("name at least one scenario")
@@ -114,6 +119,9 @@ def check_alpha_beta(alpha: float, beta: float) -> None:
     Raises:
         ConfigError: one is out of its range.
     """
+    for name, value in (("alpha", alpha), ("beta", beta)):
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            raise ConfigError(f"{name} must be a number, got {value!r}")
     if not 0.0 <= alpha < float("inf"):
         raise ConfigError(f"alpha must be finite and at least 0 by eq. (5), got {alpha!r}")
     if not 0.0 <= beta < 1.0:

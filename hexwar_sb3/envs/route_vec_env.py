@@ -12,10 +12,11 @@ from stable_baselines3.common.vec_env.base_vec_env import VecEnvStepReturn
 
 from hexwar_sb3.checks import check_whole
 from hexwar_sb3.envs.native_vec_env import NativeVecEnv
-from hexwar_sb3.envs.route_games import Hop, RouteGames
+from hexwar_sb3.envs.route_games import Hop, RouteGames, check_leader
 from hexwar_sb3.envs.route_settings import RouteSettings
 from hexwar_sb3.errors import ConfigError
 from hexwar_sb3.play.arena import Snapshot
+from hexwar_sb3.play.lower_policy import make_lower
 from hexwar_sb3.tasks.features import BOUND, ROUTE_WIDTH
 from hexwar_sb3.tasks.route import N_ANSWERS
 
@@ -96,8 +97,9 @@ class RouteVecEnv(NativeVecEnv):
 
     def set_lower(self, lower: object) -> None:
         """Let another lower level lead the pieces that are not in focus."""
+        made = check_leader(make_lower(lower))
         for games in self.fields:
-            games.tasks.set_lower(lower)
+            games.tasks.set_lower(made)
 
     def snapshot(self) -> Snapshot:
         """Everything that changes in play, as arrays that `np.savez` takes."""

@@ -152,15 +152,8 @@ class TaskGames:
         return np.where(same.any(axis=-1), same.argmax(axis=-1), -1)
 
     def scores(self) -> NDArray[np.int64]:
-        """What the reward is the gain of, points [n]: the learner's true margin, or own minus enemy.
-
-        The choice changes the reward alone, never what a camp observes: a policy that learned by the one
-        plays games that are counted by the other.
-        """
-        margins = self.arena.margins(self.all, self.camps)
-        if self.settings.reward == "net" and not self.arena.world.scenario.net_score:
-            return margins + self.arena.green_points(self.all)
-        return margins
+        """What the reward is the gain of, for the learner in every game, points [n]."""
+        return self.arena.scores(self.all, self.camps, net=self.settings.reward == "net")
 
     def snapshot(self) -> Snapshot:
         """Everything that changes in play, as arrays without objects."""

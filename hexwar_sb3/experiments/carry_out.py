@@ -6,10 +6,10 @@ import signal
 import subprocess
 import sys
 from collections.abc import Callable, Collection, Sequence
-from time import monotonic, sleep
+from time import sleep
 
 from hexwar_sb3.experiments.keep import keep
-from hexwar_sb3.experiments.runs import HEXWAR, Places, Run, State
+from hexwar_sb3.experiments.runs import HEXWAR, Places, Run
 
 POLL_SECONDS = 0.2
 Say = Callable[[str], object]
@@ -23,22 +23,20 @@ def carry_out(runs: Sequence[Run], places: Places, *, jobs: int = 1, say: Say = 
     Raises:
         KeyboardInterrupt: it was stopped.
     """
-    waiting = [run for run in runs if places.state(run) != State.DONE]
+    waiting = [run for run in runs if not keep_results(run, places)]
     running: dict[Run, subprocess.Popen[bytes]] = {}
     failed: list[Run] = []
-    begun: dict[Run, float] = {}
     before = signal.signal(signal.SIGTERM, signal.default_int_handler)
     try:
         while waiting or running:
             while waiting and len(running) < jobs:
                 run = waiting.pop(0)
                 say(f"{run.name}: {run.command}")
-                begun[run], running[run] = monotonic(), start(run, places)
+                running[run] = start(run, places)
             for run in [run for run, process in running.items() if process.poll() is not None]:
                 code = running.pop(run).returncode
-                if code == 0 and places.is_trained(run):
-                    keep_results(run, places)
-                    say(f"{run.name}: done in {(monotonic() - begun[run]) / 60:.1f} minutes")
+                if code == 0 and keep_results(run, places):
+                    say(f"{run.name}: done")
                 else:
                     failed.append(run)
                     say(f"{run.name}: failed with exit code {code}; see {places.log(run)}")
@@ -74,16 +72,17 @@ def arguments(run: Run, places: Places) -> list[str]:
     return [*run.arguments, "--runs", str(places.work / run.experiment), "--name", run.name]
 
 
-def keep_results(run: Run, places: Places) -> None:
-    """Keep the results of a run whose folder is complete."""
+def keep_results(run: Run, places: Places) -> bool:
+    """Keep the results of a run whose folder is complete; whether they are there now."""
     folder = places.folder(run)
-    if folder is not None:
+    if not places.is_kept(run) and folder is not None and places.is_trained(run):
         keep(run, folder, places.kept(run))
+    return places.is_kept(run)
 
 
 def stop(processes: Collection[subprocess.Popen[bytes]]) -> None:
-    """Let processes save and end."""
+    """Let processes save and end; SIGTERM, because what runs in the background may ignore SIGINT."""
     for process in processes:
-        process.send_signal(signal.SIGINT)
+        process.terminate()
     for process in processes:
         process.wait()

@@ -100,4 +100,4 @@ def _dress(axes: Axes, title: str, label: str) -> None:
     else:
         axes.axhline(0, color="grey", linewidth=0.8)
     if axes.get_legend_handles_labels()[0]:
-        axes.legend(loc="lower right", fontsize="small")
+        axes.legend(loc="best", fontsize="small", framealpha=0.6)

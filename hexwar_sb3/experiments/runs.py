@@ -30,7 +30,7 @@ class Budget:
 
     games: int = 10_000  # of the upper level
     eval_games: int = 64  # an opponent and colour, at each point of a curve
-    final_games: int = 1000  # an opponent and colour, on the page at the end
+    final_games: int = 2000  # an opponent and colour, on the page at the end
 
     def __post_init__(self) -> None:
         """Check the numbers.

@@ -116,8 +116,12 @@ class Arena:
             self.drives[b].kept[self.world.side(int(camp))] = kept
 
     def lead_outside(self, b: int, pieces: Iterable[int]) -> None:
-        """Let the caller answer for these pieces of game b, and for no others: `advance` stops where they ask."""
-        self.drives[b].outside = np.uint32(sum(1 << i for i in pieces))
+        """Let the caller answer for these pieces of game b, and for no others: `advance` stops where they ask.
+
+        What callables lead stays with them.
+        """
+        led = sum(_bits(self.world.side(camp)) for game, camp in self._answerers if game == b)
+        self.drives[b].outside = np.uint32(led | sum(1 << i for i in pieces))
         self.drives[b].waiting &= self.drives[b].outside
 
     def _number(self, lower: FrozenLower) -> int:
@@ -153,6 +157,8 @@ class Arena:
                     pairs = [(b, int(i)) for i in self.waiting(b, camp)]
                     asked.setdefault(self._answerers[b, camp], []).extend(pairs)
         for answerer, pairs in asked.items():
+            if not pairs:
+                continue
             games, pieces = np.array(pairs, np.int64).reshape(-1, 2).T.copy()
             states, masks = self.look_routes(games, pieces, ways=True)
             self.tell(games, pieces, check_answers(answerer(states, masks), masks))
@@ -255,11 +261,18 @@ class Arena:
         margins_of(which, camps, self.state.games, self.state.pieces, self.world.rules, out)
         return out
 
-    def green_points(self, which: Games) -> NDArray[np.int64]:
-        """Value of the control points that nobody has taken yet in each game, points [n]."""
+    def scores(self, which: Games, camps: NDArray[np.int64], *, net: bool) -> NDArray[np.int64]:
+        """What a reward is the gain of, points [n]: the true margin, or (`net`) own minus enemy without green.
+
+        The choice is the reward's alone: nothing that a camp observes depends on it.
+        """
+        margins = self.margins(which, camps)
+        if not net or self.world.scenario.net_score:
+            return margins
         games = self.state.games[which]
-        used = np.arange(games.point_owner.shape[1]) < games.n_points[:, None]
-        return np.where(used & (games.point_owner == Camp.GREEN), games.point_value, 0).sum(axis=1)
+        is_green = games.point_owner == Camp.GREEN
+        is_green &= np.arange(is_green.shape[1]) < games.n_points[:, None]
+        return margins + np.where(is_green, games.point_value, 0).sum(axis=1)
 
     def wins(self, which: Games, camps: NDArray[np.int64]) -> NDArray[np.float64]:
         """1 where camp camps[k] has the larger margin in game which[k], 0.5 where they are equal, [n]."""

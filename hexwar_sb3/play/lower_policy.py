@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import hashlib
+import inspect
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import Any, TypeAlias, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,8 +15,8 @@ from hexwar_sb3.errors import ConfigError, PolicyFileError, UnknownNameError
 from hexwar_sb3.kernels import Row, Rows, kernel
 from hexwar_sb3.play.lower import HIDDEN, LOWER_NET, best_answer, route_values
 from hexwar_sb3.play.policy_files import CONFIG_FILE, PolicyFormat, Weights
-from hexwar_sb3.tasks.features import ROUTE, ROUTE_WIDTH
-from hexwar_sb3.tasks.route import N_ANSWERS
+from hexwar_sb3.tasks.features import PER_DETOUR, ROUTE, ROUTE_WIDTH, index
+from hexwar_sb3.tasks.route import N_ANSWERS, STAY
 
 HEURISTIC_LOWER = "heuristic"
 FOLDER = "lower"  # within the folder of a policy of the task level
@@ -76,7 +77,13 @@ class FrozenLower:
 
     @classmethod
     def of_numbers(cls, numbers: NDArray[np.float32], *, ways: bool) -> FrozenLower:
-        """Make a network of what `numbers` gave."""
+        """Make a network of what `numbers` gave.
+
+        Raises:
+            ConfigError: there are too many or too few.
+        """
+        if numbers.shape != (N_NUMBERS,):
+            raise ConfigError(f"a lower level has {N_NUMBERS} weights, got {numbers.shape}")
         shapes = [tuple(SIZES[axis] for axis in axes) for axes in FORMAT.layers.values()]
         ends = np.cumsum([np.prod(shape) for shape in shapes])
         parts = np.split(numbers, ends[:-1])
@@ -123,6 +130,22 @@ class FrozenLower:
         return cls(weights, ways=about.get("ways") == "yes", about=about)
 
 
+def fastest_way_network() -> FrozenLower:
+    """Say in weights what the heuristic does: the valid direction that loses least against the fastest way."""
+    weights = {
+        name: np.zeros([SIZES[axis] for axis in axes], np.float32) for name, axes in FORMAT.layers.items()
+    }
+    places = index("route", 1, 1, 1)
+    for direction in range(N_ANSWERS - 1):
+        weights["layer1.weight"][direction, places[f"neighbour {direction}: detour"]] = 1.0
+        weights["layer2.weight"][direction, direction] = 1.0
+        weights["layer3.weight"][1 + direction, direction] = -1.0
+    weights["layer3.bias"][STAY] = (
+        0.5 * PER_DETOUR
+    )  # better than a base hop lost: it is valid in the right place
+    return FrozenLower(weights, about={"trained": "no"})
+
+
 Lower: TypeAlias = str | FrozenLower | Answerer
 
 
@@ -138,8 +161,8 @@ def make_lower(lower: object) -> Lower:
     """
     if isinstance(lower, str | Path):
         return _named_lower(lower)
-    if callable(lower):
-        return lower
+    if callable(lower) and not inspect.isclass(lower):
+        return cast("Lower", lower)
     raise ConfigError(
         f'lower is "heuristic", a folder or a callable (states, masks) -> answers, got {lower!r}'
     )

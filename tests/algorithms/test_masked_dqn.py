@@ -446,3 +446,57 @@ def swap(model: Model, path: Path, name: str, value: object) -> None:
     with zipfile.ZipFile(path, "w") as archive:
         for part, content in parts.items():
             archive.writestr(part, content)
+
+
+class Poisoned(Corridor):
+    """From some step on its rewards are no numbers."""
+
+    def step(self, action: np.int64) -> tuple[Obs, float, bool, bool, dict[str, Any]]:
+        obs, _, there, cut, info = super().step(action)
+        return obs, float("nan"), there, cut, info
+
+
+@pytest.mark.parametrize("algorithm", [MaskedDQN, MaskedQRDQN])
+def test_weights_that_are_not_finite_stop_the_training(algorithm: type[Model]) -> None:
+    """A NaN loss: SB3 would go on with it."""
+    model = algorithm("MaskedPolicy", make_vec_env(Poisoned, 4), **SMALL)
+
+    with pytest.raises(TrainingError, match="the network's weights are not finite"):
+        model.learn(400)
+
+
+def test_the_learning_rate_falls_by_a_saved_count() -> None:
+    """Not by the progress of one call of learn, which begins anew with each phase."""
+    model = MaskedDQN(
+        "MaskedPolicy",
+        corridors(),
+        **{**SMALL, "learning_rate": 1e-2},
+        final_learning_rate=1e-3,
+        learning_rate_steps=400,
+    )
+    rates = []
+    for _ in range(3):
+        model.learn(200, reset_num_timesteps=False)
+        rates.append(model.policy.optimizer.param_groups[0]["lr"])
+
+    assert rates == pytest.approx([5.5e-3, 1e-3, 1e-3], rel=0.1)
+
+
+def test_transitions_over_several_steps_end_with_the_episode() -> None:
+    """With n_steps 3: the first reward, then each later one discounted by the time before it."""
+    model = MaskedDQN("MaskedPolicy", corridors(1), **SMALL, n_steps=3, gamma=0.5)
+    model.learn(60)
+    replay = model.replay_buffer
+    for row in range(20):
+        end = next(k for k in range(row, row + 3) if replay.dones[k, 0] or k == row + 2)
+        factor, total = 1.0, 0.0
+        for k in range(row, end + 1):
+            total += factor * replay.rewards[k, 0]
+            factor *= 0.5 ** replay.steps[k, 0]
+        batch = replay._get_samples(np.array([row]))
+        assert batch.rewards.item() == pytest.approx(total, abs=1e-6)
+        assert batch.discounts is not None
+        assert batch.discounts.item() == pytest.approx(factor)
+        assert torch.equal(
+            batch.next_observations["cell"][0], torch.as_tensor(replay.next_observations["cell"][end, 0])
+        )

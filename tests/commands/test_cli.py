@@ -48,7 +48,7 @@ def test_a_misspelt_flag_is_met_with_the_right_one(hexwar: Command) -> None:
         ),
         (("match", "MA1", "MA2", "--games", "0"), "hexwar: games must be at least 1, got 0"),
         (("match", "MA1", "MA2", "--seed", "-1"), "hexwar: seed must be in 0..999999, got -1"),
-        (("train", "--n-envs", "0"), "hexwar: n_envs must be at least 1, got 0"),
+        (("train", "--n-envs", "0"), "hexwar: n_envs must be an integer >= 1, got 0"),
         (("train", "--resume", "no/such/run"), "hexwar: no/such/run/config.json: file: found No such file"),
         (("watch", "no.hwr"), "hexwar: no.hwr"),
         (("maps", "--new", "mine"), "hexwar: --new needs --output"),

@@ -14,6 +14,7 @@ import pytest
 from safetensors.numpy import load_file
 
 from hexwar_sb3.algorithms.checkpoint import save_checkpoint
+from hexwar_sb3.algorithms.hierarchical import HierarchicalQMIX
 from hexwar_sb3.algorithms.qmix import QMIX
 from hexwar_sb3.evaluation.history import History
 
@@ -27,9 +28,9 @@ SMALL = (
 
 def weights_hash(run: Path) -> str:
     """Hash of every network of the last model."""
-    model = QMIX.load(run / "model.zip")
+    model = HierarchicalQMIX.load(run / "model.zip")
     digest = hashlib.sha256()
-    for tensor in model.policy.state_dict().values():
+    for tensor in (*model.policy.state_dict().values(), *model.lower.policy.state_dict().values()):
         digest.update(tensor.numpy().tobytes())
     return digest.hexdigest()
 

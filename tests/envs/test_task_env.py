@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Callable
+from typing import Any, cast
 
 import gymnasium
 import numpy as np
@@ -17,7 +18,9 @@ from stable_baselines3.common.evaluation import evaluate_policy
 
 from hexwar_sb3.envs.registration import TASK_ENV, make_vec_env
 from hexwar_sb3.envs.task_env import TaskEnv
+from hexwar_sb3.envs.task_vec_env import TaskVecEnv
 from hexwar_sb3.errors import ConfigError, UnknownNameError
+from hexwar_sb3.play.lower_policy import FORMAT, SIZES, FrozenLower
 
 SHORT = 300  # Delta-t: a game in six decisions
 
@@ -125,3 +128,78 @@ def test_stock_maskable_ppo_learns_and_plays() -> None:
     rival.reset()
     _, _, _, infos = rival.step(np.zeros((1, *env.action_space.shape), np.int64))  # type: ignore[misc]
     assert infos[0]["ticks"] == SHORT
+
+
+def first_valid(_: NDArray[np.float32], masks: NDArray[np.int8]) -> NDArray[np.int64]:
+    """Lower level that always heads the same way."""
+    return masks.argmax(axis=1)
+
+
+def random_lower(seed: int = 0) -> FrozenLower:
+    rng = np.random.default_rng(seed)
+    shapes = {name: [SIZES[axis] for axis in axes] for name, axes in FORMAT.layers.items()}
+    return FrozenLower({name: rng.normal(size=shape).astype(np.float32) for name, shape in shapes.items()})
+
+
+def lower_env(lower: object, seed: int = 3) -> TaskVecEnv:
+    batch = make_vec_env(TASK_ENV, 2, seed=seed, decision_ticks=SHORT, lower=lower, side="both")
+    return cast("TaskVecEnv", batch.unwrapped)
+
+
+@pytest.mark.parametrize("make_lower", [lambda: first_valid, random_lower], ids=["callable", "network"])
+def test_a_lower_level_leads_the_learners_pieces_also_after_a_restore(
+    make_lower: Callable[[], Any], pick: Callable[[Any, int], NDArray[np.int64]]
+) -> None:
+    """Not as the heuristic does; and a game goes on the same in another env, whose network is another object."""
+    env, other, plain = lower_env(make_lower()), lower_env(random_lower(1), seed=9), lower_env("heuristic")
+    obs, plain_obs, differs = env.reset(), plain.reset(), False
+    for step in range(12):
+        if step == 2:
+            other.reset()
+            other.set_lower(make_lower())  # the second network that this one has known
+            restored = other.restore(env.snapshot())
+        obs, rewards, *_ = cast("Any", env.step(pick(obs["action_mask"], step)))
+        plain_obs, *_ = cast("Any", plain.step(pick(plain_obs["action_mask"], step)))
+        differs = differs or not np.array_equal(obs["obs"], plain_obs["obs"])
+        if step >= 2:
+            restored, others, *_ = cast("Any", other.step(pick(restored["action_mask"], step)))
+            assert rewards.tolist() == others.tolist()
+            assert all(np.array_equal(obs[key], restored[key]) for key in obs)
+    assert differs
+
+
+@pytest.mark.parametrize("lower", [first_valid, random_lower()], ids=["callable", "network"])
+def test_a_lower_level_can_be_set_in_the_middle_of_a_game(lower: Any) -> None:
+    """From then on it leads, and "heuristic" takes over again."""
+    env, other = TaskEnv(decision_ticks=SHORT), TaskEnv(decision_ticks=SHORT, lower=lower)
+    env.set_lower(lower)
+    other.set_lower(lower)
+    games = [env.reset(seed=1)[0], other.reset(seed=1)[0]]
+    for _ in range(3):
+        games = [one.step(np.ones(7, np.int64))[0] for one in (env, other)]
+        assert np.array_equal(games[0]["obs"], games[1]["obs"])
+    other.set_lower("heuristic")
+    games = [one.step(np.full(7, 2))[0] for one in (env, other)]
+    assert not np.array_equal(games[0]["obs"], games[1]["obs"])
+
+
+def test_an_unknown_lower_level_is_refused() -> None:
+    with pytest.raises(UnknownNameError, match="unknown lower 'heuristc'; did you mean 'heuristic'"):
+        TaskEnv(lower="heuristc")
+
+
+def test_the_choice_of_the_reward_changes_nothing_that_is_observed(
+    pick: Callable[[Any, int], NDArray[np.int64]],
+) -> None:
+    """The margin that a camp knows is eq. (1) in both: a policy that learned by the one plays by the other."""
+    envs = [make_vec_env(TASK_ENV, decision_ticks=SHORT, reward=reward) for reward in ("net", "paper")]
+    net, paper = (cast("Any", env.reset()) for env in envs)
+    rewards = []
+    for step in range(6):
+        assert all(np.array_equal(net[key], paper[key]) for key in net)
+        (net, one, *_), (paper, other, *_) = (
+            cast("Any", env.step(pick(obs["action_mask"], step)))
+            for env, obs in zip(envs, (net, paper), strict=True)
+        )
+        rewards.append((float(one[0]), float(other[0])))
+    assert any(one != other for one, other in rewards)

@@ -18,15 +18,15 @@ RUN = hrl_run("fig7", "hrl-plain", 0, Budget(games=100))
 BASELINE = dqn_run("fig7", "dqn-plain", 0, Budget(games=100))
 
 WAITS = """
-import pathlib, sys, time
+import pathlib, signal, sys, time
 here = pathlib.Path(sys.argv[sys.argv.index("--runs") + 1])
-try:
-    (here / "started").touch()
-    time.sleep(60)
-except KeyboardInterrupt:
+def save(number, frame):
     with (here / "saved").open("a") as file:
         file.write("saved\\n")
     sys.exit(130)
+signal.signal(signal.SIGTERM, save)
+(here / "started").touch()
+time.sleep(60)
 """
 FAILS = "import sys; print('no luck'); sys.exit(3)"
 
@@ -52,6 +52,10 @@ def broken_off(run: Run, places: Places) -> Path:
     return folder
 
 
+def quietly(text: str) -> None:
+    assert text
+
+
 def no_start(*arguments: object) -> None:
     raise AssertionError(arguments)
 
@@ -72,7 +76,7 @@ def test_a_run_folder_that_is_complete_is_kept_without_training(
     make_folder(RUN)
     monkeypatch.setattr(module, "start", no_start)
 
-    assert carry_out([RUN], places, say=[].append) == []
+    assert carry_out([RUN], places, say=quietly) == []
     assert places.state(RUN) == State.DONE
 
 
@@ -122,7 +126,7 @@ def test_ctrl_c_reaches_each_running_run_once_and_waits_until_it_has_saved(
     monkeypatch.setattr(module, "sleep", press)
 
     with pytest.raises(KeyboardInterrupt):
-        carry_out([run], places, say=[].append)
+        carry_out([run], places, say=quietly)
 
     assert (here / "saved").read_text(encoding="utf-8") == "saved\n"
 
@@ -144,5 +148,5 @@ def test_no_more_runs_than_jobs_run_side_by_side(
 
     monkeypatch.setattr(module, "start", count)
 
-    assert carry_out(runs, places, jobs=2, say=[].append) == []
+    assert carry_out(runs, places, jobs=2, say=quietly) == []
     assert all(places.is_kept(run) for run in runs)

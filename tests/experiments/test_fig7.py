@@ -3,6 +3,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
@@ -58,7 +59,7 @@ def test_a_curve_is_the_mean_over_seeds_and_its_band_their_range(
     draw(RUNS, places, tmp_path / "fig7.png")
 
     axes = figures[0].axes[1]
-    assert axes.lines[0].get_xydata().tolist() == [[0.0, 21.5], [100.0, 21.5]]
+    assert np.asarray(axes.lines[0].get_xydata()).tolist() == [[0.0, 21.5], [100.0, 21.5]]
     band = axes.collections[0].get_paths()[0].get_extents()
     assert (band.y0, band.y1) == (11.5, 31.5)
 

@@ -100,7 +100,7 @@ def test_rows_that_both_experiments_have_are_the_same_runs() -> None:
 def test_a_command_says_all_that_makes_the_run_again() -> None:
     assert RUN.command == (
         "hexwar train --scenario plain --seed 0 --n-timesteps 2400 --decision-ticks 75 --eval-freq 240 "
-        "--save-freq 480 --eval-games 64 --final-games 1000"
+        "--save-freq 480 --eval-games 64 --final-games 2000"
     )
     assert dqn_run("fig7", "dqn-plain", 0, BUDGET).command.startswith(
         f"python -m {FLAT_DQN} --scenario plain"

@@ -6,7 +6,7 @@ import os
 import subprocess
 import sys
 from collections.abc import Callable
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -22,10 +22,10 @@ from hexwar_sb3.errors import ConfigError
 from hexwar_sb3.maps.geometry import SE, E, W
 from hexwar_sb3.play.arena import Arena, Setup
 from hexwar_sb3.play.lower import HEURISTIC, KEPT, asks
-from hexwar_sb3.play.lower_policy import FORMAT, SIZES, FrozenLower, Lower
+from hexwar_sb3.play.lower_policy import FORMAT, SIZES, FrozenLower, Lower, fastest_way_network
 from hexwar_sb3.play.player import make_player
 from hexwar_sb3.play.seeds import game_seed
-from hexwar_sb3.policies.masked import freeze_lower
+from hexwar_sb3.policies.masked import MaskedDQNPolicy, freeze_lower
 from hexwar_sb3.rules.enums import Camp
 from hexwar_sb3.tasks.choose import assign
 from hexwar_sb3.tasks.features import ROUTE_WIDTH, index
@@ -137,7 +137,8 @@ def test_an_exported_dqn_has_the_values_of_its_network() -> None:
     with torch.no_grad():
         expected = model.policy.q_net({"obs": torch.tensor(states), "action_mask": masks}).numpy()
 
-    np.testing.assert_allclose(freeze_lower(model.policy, ways=True).q_values(states), expected, atol=1e-5)
+    lower = freeze_lower(cast("MaskedDQNPolicy", model.policy), ways=True)
+    np.testing.assert_allclose(lower.q_values(states), expected, atol=1e-5)
 
 
 def test_the_best_valid_answer_is_given_the_first_of_equals() -> None:
@@ -159,6 +160,12 @@ def test_a_callable_that_answers_like_the_heuristic_plays_its_games(world: World
 
     assert same(by_colour(world, lower, camp), by_colour(world, "heuristic", camp))
     assert sum(asked) > 200
+
+
+@pytest.mark.parametrize("camp", [Camp.RED, Camp.BLUE])
+def test_a_network_of_the_smallest_detour_plays_the_games_of_the_heuristic(world: World, camp: Camp) -> None:
+    """The fastest ways can be said in two layers of 64."""
+    assert same(by_colour(world, fastest_way_network(), camp), by_colour(world, "heuristic", camp))
 
 
 def test_both_camps_may_be_led_by_callables(world: World) -> None:
@@ -387,38 +394,23 @@ def test_kept_answers_hold_until_they_are_given_anew_or_another_game_begins() ->
     assert not lane.drives[0].kept.any()
 
 
-CORNER = """
-    map   plain-24x9
-    red   tank 0603
-    red   soldier 0605
-    blue  tank 1903
-    blue  soldier 1905
-"""
-
 SCRIPT = """
 import hashlib, runpy, sys
 import numpy as np
 names = runpy.run_path(sys.argv[1])
-world = names["load_world"](names["parse_board"](names["CORNER"]).scenario)
-digest = hashlib.sha256()
-for lower in (names["random_lower"](3), names["random_lower"](4, ways=False), names["nearest_way"]):
-    arena = names["Arena"](world, 1, names["Setup"](decision_ticks=(150, 150), spots=1))
-    arena.begin(0, 1, None, None)
-    for camp in range(2):
-        arena.set_lower(0, camp, lower)
-        for i in range(2 * camp, 2 * camp + 2):
-            names["assign"](arena.plans[0, i], 1, -1, 20 if camp else 200, 0)
-    arena.drives[0].due[:], arena.drives[0].fresh[:] = 0, 1
-    arena.advance(np.zeros(1, np.int64))
-    digest.update(arena.state.pieces.tobytes() + arena.plans.tobytes() + arena.drives.tobytes())
-    if callable(lower) and hasattr(lower, "q_values"):
-        digest.update(lower.q_values(names["random_states"](5)).tobytes())
-print(digest.hexdigest())
+lane, lower = names["make_lane"](1), names["random_lower"](3)
+lane.set_lower(0, 1, lower)
+lane.drives[0].period[:] = 100
+lane.advance(np.zeros(1, np.int64))
+digest = hashlib.sha256(lane.state.pieces.tobytes() + lane.plans.tobytes() + lane.drives.tobytes())
+digest.update(lower.q_values(names["random_states"](5)).tobytes())
+print(digest.hexdigest(), *names["names"](lane))
 """
 
 
 @pytest.mark.timeout(300)
 def test_compiled_and_plain_python_agree_to_the_bit() -> None:
+    """A tank that a network leads for a while, and values of its network."""
     found = []
     for disable_jit in ("0", "1"):
         env = os.environ | {"NUMBA_DISABLE_JIT": disable_jit}
@@ -426,3 +418,4 @@ def test_compiled_and_plain_python_agree_to_the_bit() -> None:
         found.append(subprocess.run(command, env=env, check=True, capture_output=True, text=True).stdout)
 
     assert found[0] == found[1]
+    assert found[0].split()[1:] != ["0603", "0605"]

@@ -6,7 +6,7 @@ import hashlib
 import json
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -30,7 +30,7 @@ from hexwar_sb3.play.lower_policy import (
     make_lower,
 )
 from hexwar_sb3.play.player import make_player
-from hexwar_sb3.policies.masked import freeze_lower
+from hexwar_sb3.policies.masked import MaskedDQNPolicy, freeze_lower
 from hexwar_sb3.policies.task_policy import TaskPolicy
 from hexwar_sb3.tasks.features import ROUTE_WIDTH
 from hexwar_sb3.tasks.route import N_ANSWERS
@@ -205,7 +205,7 @@ def test_a_network_that_reads_other_features_is_refused(folder: Path) -> None:
 def test_other_layers_are_refused(tmp_path: Path, size: dict[str, int]) -> None:
     """As an object and from a folder that is sound in itself."""
     weights = random_weights(**size)
-    with pytest.raises(ConfigError, match="no network for the drive loop: .* has the shape"):
+    with pytest.raises(ConfigError, match=r"no network for the drive loop: .* has the shape"):
         FrozenLower(weights)
 
     FORMAT.save(tmp_path, weights, {"features": FEATURES, "ways": "yes"}, {})
@@ -216,7 +216,7 @@ def test_other_layers_are_refused(tmp_path: Path, size: dict[str, int]) -> None:
 
 def test_numbers_that_are_not_finite_are_refused() -> None:
     weights = random_weights() | {"layer2.bias": np.full(64, np.inf, np.float32)}
-    with pytest.raises(ConfigError, match="layer2.bias holds numbers that are not finite"):
+    with pytest.raises(ConfigError, match=r"layer2\.bias holds numbers that are not finite"):
         FrozenLower(weights)
 
 
@@ -225,16 +225,16 @@ def test_only_a_network_with_two_hidden_layers_of_64_is_exported() -> None:
     for arch, message in (([64], "two hidden layers, got 1"), ([64, 32], "no network for the drive loop")):
         model = MaskedDQN.for_spaces(*route_spaces(), buffer_size=10, policy_kwargs={"net_arch": arch})
         with pytest.raises(ConfigError, match=message):
-            freeze_lower(model.policy, ways=True)
+            freeze_lower(cast("MaskedDQNPolicy", model.policy), ways=True)
 
 
 def test_a_copy_of_a_dqn_keeps_what_it_was_when_learning_goes_on() -> None:
     model = MaskedDQN.for_spaces(*route_spaces(), buffer_size=10, seed=0)
-    frozen = freeze_lower(model.policy, ways=False, scenario="hills")
+    frozen = freeze_lower(cast("MaskedDQNPolicy", model.policy), ways=False, scenario="hills")
     before = frozen.q_values(random_states())
     with torch.no_grad():
         for parameter in model.policy.parameters():
-            parameter += 1.0
+            parameter.add_(1.0)
 
     assert (frozen.q_values(random_states()) == before).all()
     assert not frozen.ways
@@ -274,7 +274,7 @@ def test_a_name_that_is_no_folder_is_refused() -> None:
 
 
 def test_a_folder_without_a_lower_policy_is_refused(policy: FrozenPolicy, tmp_path: Path) -> None:
-    with pytest.raises(PolicyFileError, match="config.json: found nothing; expected a lower policy"):
+    with pytest.raises(PolicyFileError, match=r"config\.json: found nothing; expected a lower policy"):
         make_lower(tmp_path)
     policy.save(tmp_path / "policy")
     with pytest.raises(PolicyFileError, match="expected 'hexwar route policy', version 1"):

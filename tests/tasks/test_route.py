@@ -309,7 +309,8 @@ def test_every_cell_with_a_way_has_a_direction_without_a_detour(board: Terrain) 
             detours = [view[f"neighbour {d}: detour"][0] for d in range(6) if view.mask[1 + d]]
             assert min(detours) == 0.0
             assert all(
-                hop_from(kind, cell, d, board.rules, board.cells) > 0 for d in np.flatnonzero(view.mask[1:])
+                hop_from(kind, cell, d, board.rules, board.cells) > 0
+                for d in np.flatnonzero(view.mask[1:]).tolist()
             )
 
 

@@ -1,0 +1,170 @@
+"""Level-based foraging (learning.md, section 4): the same QMIX on a game that is not ours.
+
+`pip install lbforaging`, then `python -m hexwar_sb3.experiments.foraging --seed 0 --output results/foraging`.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from importlib import import_module
+from pathlib import Path
+from time import process_time
+from typing import Any, ClassVar, TypeAlias, cast
+
+import gymnasium
+import numpy as np
+import torch
+from gymnasium import spaces
+from numpy.typing import NDArray
+from pettingzoo import ParallelEnv
+from stable_baselines3.common.vec_env import DummyVecEnv, VecMonitor
+
+from hexwar_sb3.algorithms.qmix import QMIX
+from hexwar_sb3.envs.joint_action import JointActionEnv
+from hexwar_sb3.errors import ConfigError
+from hexwar_sb3.files import replacing
+
+GAME = "Foraging-5x5-2p-1f-v3"
+GREEDY_GAMES = 200  # in which the trained policy is measured, on seeds of their own
+GREEDY_SEED = 1_000_000
+SETTINGS: dict[str, Any] = {
+    "learning_rate": 5e-4,
+    "batch_size": 128,
+    "buffer_size": 100_000,
+    "learning_starts": 2_000,
+    "train_freq": (4, "step"),
+    "gradient_steps": 1,
+    "tau": 0.01,
+    "n_steps": 3,
+    "reward_scale": 1.0,
+    "stickiness": 0.0,
+    "exploration_initial_eps": 1.0,
+    "exploration_final_eps": 0.05,
+}
+"""Arguments of `QMIX`; what is not named is its default."""
+
+Features: TypeAlias = NDArray[np.float32]
+Infos: TypeAlias = dict[str, dict[str, Any]]
+
+
+class ForagingGame(ParallelEnv[str, Features, int]):  # type: ignore[misc]  # PettingZoo ships no types
+    """A foraging env of lbforaging as a PettingZoo parallel env; an episode that runs out of time is truncated.
+
+    Args:
+        game: Gymnasium's id.
+
+    Raises:
+        ConfigError: lbforaging is not installed.
+    """
+
+    metadata: ClassVar[dict[str, Any]] = {"name": "foraging", "render_modes": []}
+
+    def __init__(self, game: str = GAME) -> None:
+        try:
+            import_module("lbforaging")  # registers the ids
+        except ImportError as error:
+            raise ConfigError("this needs lbforaging: pip install lbforaging") from error
+        self.game = cast("Any", gymnasium.make(game, disable_env_checker=True).unwrapped)
+        self.possible_agents = [f"player{k}" for k in range(len(self.game.players))]
+        self.agents: list[str] = []
+
+    def observation_space(self, agent: str) -> spaces.Box:
+        """What a player sees."""
+        return cast("spaces.Box", self.game.observation_space[self.possible_agents.index(agent)])
+
+    def action_space(self, agent: str) -> spaces.Discrete:
+        """Stay, four directions, load."""
+        return cast("spaces.Discrete", self.game.action_space[self.possible_agents.index(agent)])
+
+    def reset(
+        self, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[dict[str, Features], Infos]:
+        """Start an episode."""
+        self.agents = list(self.possible_agents)
+        seen, _ = self.game.reset(seed=seed)
+        return self._named(seen), {name: {} for name in self.agents}
+
+    def step(
+        self, actions: dict[str, int]
+    ) -> tuple[dict[str, Features], dict[str, float], dict[str, bool], dict[str, bool], Infos]:
+        """Let all players act."""
+        acted = self.agents
+        seen, rewards, over, _, _ = self.game.step([actions[name] for name in acted])
+        ended, cut = bool(over and not self.game.field.any()), bool(over and self.game.field.any())
+        self.agents = [] if over else acted
+        names = self.possible_agents
+        return (
+            self._named(seen),
+            dict(zip(names, map(float, rewards), strict=True)),
+            dict.fromkeys(names, ended),
+            dict.fromkeys(names, cut),
+            {name: {} for name in names},
+        )
+
+    def _named(self, seen: tuple[Features, ...]) -> dict[str, Features]:
+        return dict(zip(self.possible_agents, seen, strict=True))
+
+
+def make_games(game: str, n_envs: int, seed: int) -> VecMonitor:
+    """Make some games side by side; the team's reward is the sum of its players'."""
+    venv = DummyVecEnv([lambda: JointActionEnv(ForagingGame(game), team_reward="sum")] * n_envs)
+    venv.seed(seed)
+    return VecMonitor(venv)
+
+
+def train(game: str, steps: int, seed: int, n_envs: int = 8) -> dict[str, Any]:
+    """Train QMIX and measure it: figures for JSON. `steps` counts env steps of all games."""
+    torch.set_num_threads(1)
+    env = make_games(game, n_envs, seed)
+    exploring: dict[str, Any] = {"exploration_episodes": steps // 60}  # of up to 50 steps each
+    model = QMIX("TaskPolicy", env, seed=seed, **SETTINGS, **exploring)
+    start = process_time()
+    model.learn(steps)
+    seconds = process_time() - start
+    returns = greedy_returns(model, game)
+    return {
+        "game": game,
+        "seed": seed,
+        "env_steps": steps,
+        "greedy_return": float(returns.mean()),
+        "greedy_games": GREEDY_GAMES,
+        "env_steps_per_s": steps / seconds,
+        "settings": {**SETTINGS, **exploring, "n_envs": n_envs},
+    }
+
+
+def greedy_returns(model: QMIX, game: str) -> NDArray[np.float64]:
+    """Return of each of GREEDY_GAMES greedy episodes."""
+    env = JointActionEnv(ForagingGame(game), team_reward="sum")
+    returns = np.zeros(GREEDY_GAMES)
+    for k in range(GREEDY_GAMES):
+        obs, _ = env.reset(seed=GREEDY_SEED + k)
+        over = False
+        while not over:
+            action, _ = model.predict(obs, deterministic=True)
+            obs, reward, ended, cut, _ = env.step(action)
+            returns[k] += reward
+            over = ended or cut
+    return returns
+
+
+def main() -> None:
+    """Train on one game with one seed, print the figures and keep them."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--game", default=GAME)
+    parser.add_argument("--steps", type=int, default=300_000, help="env steps")
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--output", type=Path, default=None, help="folder for GAME-SEED.json")
+    options = parser.parse_args()
+    figures = train(options.game, options.steps, options.seed)
+    text = json.dumps(figures, indent=2) + "\n"
+    sys.stdout.write(text)
+    if options.output is not None:
+        with replacing(options.output / f"{options.game}-{options.seed}.json") as temporary:
+            temporary.write_text(text, encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
