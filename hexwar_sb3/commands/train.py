@@ -13,11 +13,14 @@ from hexwar_sb3.algorithms.presets import PRESETS
 from hexwar_sb3.commands.output import compile_first
 from hexwar_sb3.commands.run_folder import RunFolder
 from hexwar_sb3.commands.settings import Json, ScenarioName, Seed, check_name
-from hexwar_sb3.errors import ConfigError, FileFormatError
+from hexwar_sb3.envs.settings import check_share
+from hexwar_sb3.errors import ConfigError, FileFormatError, UnknownNameError
 from hexwar_sb3.evaluation.seeds import Purpose
 from hexwar_sb3.maps.files import builtin_names
 
 EXPLORING_SHARE = 0.4  # of the games, in which epsilon falls to its last value
+LEARNED = "learned"  # `lower`: the model's own
+LOWERS = (LEARNED, "heuristic")
 LEARNER = (
     *(
         "mixer",
@@ -155,8 +158,21 @@ class Train:
             if getattr(self, name) < 1:
                 raise ConfigError(f"{name} must be at least 1, got {getattr(self, name)}")
         check_name("name", self.name)
+        self._check_lower()
+        for name in ("warm_start", "demo_share"):
+            check_share(name, self.value(name))
         if not self.opponents:
             raise ConfigError("name at least one opponent")
+
+    def _check_lower(self) -> None:
+        """Check what the lower level's phases will need, before the first one comes."""
+        from hexwar_sb3.engine.world import load_world
+
+        lower = self.value("lower")
+        if lower not in LOWERS and not Path(lower).exists():
+            raise UnknownNameError("lower", lower, LOWERS)
+        for scenario in self.lower_scenarios:
+            load_world(scenario)
 
     @property
     def games(self) -> int:

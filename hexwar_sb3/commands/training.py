@@ -22,6 +22,7 @@ from hexwar_sb3.callbacks.shares import ShareOfGames
 from hexwar_sb3.callbacks.win_rate import WinRateCallback
 from hexwar_sb3.commands.page import write_page
 from hexwar_sb3.commands.run_folder import RunFolder
+from hexwar_sb3.commands.train import LEARNED
 from hexwar_sb3.engine.world import load_world
 from hexwar_sb3.envs.registration import make_vec_env
 from hexwar_sb3.errors import ConfigError
@@ -34,7 +35,6 @@ if TYPE_CHECKING:
     from hexwar_sb3.commands.train import Train
 
 LOG_EVERY_GAMES = 200
-LEARNED = "learned"  # `lower`: the model's own
 INTERRUPTED = 130  # exit code after Ctrl-C
 
 
