@@ -33,7 +33,7 @@ LOWER_DEFAULTS: dict[str, Any] = {
     "learning_rate": 2e-3,
     "final_learning_rate": 2e-5,
     "learning_rate_steps": 450_000,
-    "buffer_size": 400_000,
+    "buffer_size": 200_000,
     "batch_size": 1024,  # large, and few updates: the camp's reward is three times as loud as a hop lost
     "train_freq": 4,
     "gradient_steps": 1,
