@@ -26,7 +26,15 @@ from hexwar_sb3.maps.document import Document
 from hexwar_sb3.maps.geometry import NO_DIRECTION, SE, SW, E, direction_between
 from hexwar_sb3.maps.scenario import Scenario
 from hexwar_sb3.rules.enums import Camp, HopClass, PieceType
-from hexwar_sb3.tasks.spots import SPOTS, away_from, check_spots, max_spots, reachable, static_spots
+from hexwar_sb3.tasks.spots import (
+    SPOTS,
+    away_from,
+    check_spots,
+    max_spots,
+    overlooking,
+    reachable,
+    static_spots,
+)
 from hexwar_sb3.tasks.spots_file import CampSpots, HotSpots
 
 Ints = NDArray[np.int64]
@@ -189,14 +197,21 @@ def static_hot_spots(world: World, k: int = SPOTS) -> HotSpots:
 def ranked(world: World, camp: int, visits: Ints) -> list[int]:
     """Cells that may be spots by visits [NC], as many as a task set has room for.
 
-    Ties go to the lower cell number in the camp's frame.
+    Control points take turns: each the most visited cell left that overlooks it. Then come the others. Ties go to
+    the lower cell number in the camp's frame.
     """
     points = [int(point.cell) for point in world.scenario.points]
     allowed = reachable(world, points) & away_from(world, points)
+    by_visits = [cell for cell in _by_visits(world, camp, visits) if allowed[cell]]
     chosen: list[int] = []
-    for cell in _by_visits(world, camp, visits):
-        if allowed[cell] and away_from(world, chosen, SPREAD_CELLS)[cell]:
-            chosen.append(cell)
+    for zones in ([overlooking(world, point) for point in points], [allowed]):
+        added = True
+        while added:
+            before = len(chosen)
+            for zone in zones:
+                free = zone & away_from(world, chosen, SPREAD_CELLS)
+                chosen += [cell for cell in by_visits if free[cell]][:1]
+            added = len(chosen) > before
     return chosen[: max_spots(world)]
 
 

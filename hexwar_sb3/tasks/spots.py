@@ -51,6 +51,7 @@ RINGS = (
     Ring(nearest=9, farthest=14, line=3.0, concealed=2.0, height=1.0, zone=0.15, way=0.05),
 )
 ZONE_CELLS = 3
+BATTLE_CELLS = 14  # from a control point; the farthest ring ends there
 APART_CELLS = 2  # two spots are at least this far apart
 
 
@@ -128,6 +129,11 @@ def reachable(world: World, points: list[int]) -> Bools:
     """Cells from which both hop classes reach every control point [NC]."""
     ways = world.eta[:, points, :] < TOO_FAR
     return np.asarray(ways.all(axis=(0, 1)) & (world.cells.passable == 1))
+
+
+def overlooking(world: World, point: int) -> Bools:
+    """Cells of the battle for one control point: near enough, with a line of sight to it [NC]."""
+    return np.asarray((_apart(world, point) <= BATTLE_CELLS) & _seen_from(world, point))
 
 
 def _apart(world: World, cell: int) -> npt.NDArray[np.int64]:

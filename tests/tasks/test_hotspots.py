@@ -11,7 +11,7 @@ import pytest
 from hexwar_sb3.engine.game import Game
 from hexwar_sb3.engine.orders import GetOff, Move
 from hexwar_sb3.engine.replay import Replay
-from hexwar_sb3.engine.world import World
+from hexwar_sb3.engine.world import World, load_world
 from hexwar_sb3.errors import ConfigError, FileFormatError, ReplayFileError
 from hexwar_sb3.rules.enums import Camp
 from hexwar_sb3.rules.ruleset import default_rules
@@ -25,6 +25,7 @@ from hexwar_sb3.tasks.hotspots import (
     static_hot_spots,
     walls,
 )
+from hexwar_sb3.tasks.spots import overlooking
 from hexwar_sb3.tasks.spots_file import HotSpots, read_spots
 
 BOARD = """
@@ -271,3 +272,18 @@ def test_a_cut_off_file_is_refused(spots: HotSpots, tmp_path: Path) -> None:
         FileFormatError, match=r"spots\.json: line [0-9]+, column [0-9]+: found .*; expected JSON"
     ):
         read_spots(path, spots.hexmap)
+
+
+def test_control_points_take_turns_with_cells_that_overlook_them() -> None:
+    """A busy place behind the front comes after the cells of the battle, however often it was visited."""
+    world = load_world("plain")
+    points = [int(point.cell) for point in world.scenario.points]
+    near = [np.flatnonzero(overlooking(world, point) & (world.cells.passable == 1)) for point in points]
+    far = int(next(piece.cell for piece in world.scenario.pieces if piece.name == "tank0")) + 3
+    visits = np.zeros(world.cells.size, np.int64)
+    visits[near[0]], visits[near[1]], visits[far] = 5, 2, 1_000
+
+    first = ranked(world, Camp.RED, visits)[:4]
+
+    assert all(overlooking(world, points[k % 2])[cell] for k, cell in enumerate(first))
+    assert far not in first
