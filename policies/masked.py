@@ -7,8 +7,8 @@ from typing import Any
 from gymnasium import spaces
 from jaxtyping import Float
 from sb3_contrib.qrdqn.policies import QRDQNPolicy, QuantileNetwork
-from stable_baselines3.common.torch_layers import BaseFeaturesExtractor, CombinedExtractor
-from stable_baselines3.common.type_aliases import PyTorchObs, Schedule
+from stable_baselines3.common.torch_layers import CombinedExtractor
+from stable_baselines3.common.type_aliases import PyTorchObs
 from stable_baselines3.dqn.policies import DQNPolicy, QNetwork
 from torch import Tensor, nn
 
@@ -71,30 +71,16 @@ class MaskedQuantileNetwork(QuantileNetwork):
 class MaskedDQNPolicy(DQNPolicy):
     """DQN's policy over valid actions; so the targets of SB3's own `train` are masked too.
 
+    The observation space is a Dict with an "action_mask" of 0 and 1 [A] for Discrete(A); the mask is no feature.
+
     Args:
-        observation_space: a Dict with an "action_mask" of 0 and 1 [A]; the mask is no feature.
-        action_space: Discrete(A).
-        lr_schedule: learning rate as a function of SB3's progress.
-        features_extractor_class: must leave the mask out.
-        options: further arguments of SB3's DQNPolicy, as net_arch (default [64, 64]).
+        args: as SB3's DQNPolicy: observation space, action space, learning rate as a function of SB3's progress.
+        options: further arguments of it, as net_arch (default [64, 64]); a features_extractor_class of your own
+            must leave the mask out.
     """
 
-    def __init__(
-        self,
-        observation_space: spaces.Space[Any],
-        action_space: spaces.Discrete,
-        lr_schedule: Schedule,
-        *,
-        features_extractor_class: type[BaseFeaturesExtractor] = MaskedExtractor,
-        **options: Any,
-    ) -> None:
-        super().__init__(
-            observation_space,
-            action_space,
-            lr_schedule,
-            features_extractor_class=features_extractor_class,
-            **options,
-        )
+    def __init__(self, *args: Any, **options: Any) -> None:
+        super().__init__(*args, **{"features_extractor_class": MaskedExtractor, **options})
 
     def make_q_net(self) -> QNetwork:
         """Make a network with a features extractor of its own."""
@@ -127,22 +113,8 @@ def freeze_lower(policy: MaskedDQNPolicy, *, ways: bool, **about: str) -> Frozen
 class MaskedQRDQNPolicy(QRDQNPolicy):
     """QR-DQN's policy over valid actions; arguments as those of `MaskedDQNPolicy`, and n_quantiles."""
 
-    def __init__(
-        self,
-        observation_space: spaces.Space[Any],
-        action_space: spaces.Discrete,
-        lr_schedule: Schedule,
-        *,
-        features_extractor_class: type[BaseFeaturesExtractor] = MaskedExtractor,
-        **options: Any,
-    ) -> None:
-        super().__init__(
-            observation_space,
-            action_space,
-            lr_schedule,
-            features_extractor_class=features_extractor_class,
-            **options,
-        )
+    def __init__(self, *args: Any, **options: Any) -> None:
+        super().__init__(*args, **{"features_extractor_class": MaskedExtractor, **options})
 
     def make_quantile_net(self) -> QuantileNetwork:
         """Make a network with a features extractor of its own."""

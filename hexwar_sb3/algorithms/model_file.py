@@ -120,10 +120,14 @@ class PlainZipAlgorithm(PlainZip):
         """Take the env's spaces, with or without the mixer's state; without an env make the model's.
 
         Raises:
-            CheckpointError: the zip holds a lower level too, and this class has none.
+            CheckpointError: the zip holds two levels and this class has one, or the other way round.
         """
-        if "lower_counters" in data and "lower" not in cls.made_again:
-            raise CheckpointError("model", "data", found="two levels", expected="HierarchicalQMIX.load")
+        has_lower = "lower_counters" in data
+        if has_lower != ("lower" in cls.made_again):
+            found, expected = (
+                ("two levels", "HierarchicalQMIX.load") if has_lower else ("one level", "QMIX.load")
+            )
+            raise CheckpointError("model", "data", found=found, expected=expected)
         shapes = TaskShapes(**data["task_sizes"])
         if env is None:
             return {"observation_space": shapes.observation_space(), "action_space": shapes.action_space()}

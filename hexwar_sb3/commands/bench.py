@@ -37,7 +37,5 @@ class Bench:
         return 0
 
 
-def _text(value: float | None) -> str:
-    if value is None:
-        return "not built yet"
+def _text(value: float) -> str:
     return f"{value:,.0f}" if value >= 100 else f"{value:.2f}"

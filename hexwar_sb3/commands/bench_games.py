@@ -35,7 +35,7 @@ ROUTE_GAMES, ROUTE_STEPS = 48, 100  # of a route env round, as the lower level t
 ENV_STEPS = 480  # env steps of a round, each of all games
 
 
-def game_figures(scenario: str, rounds: int) -> dict[str, float | None]:
+def game_figures(scenario: str, rounds: int) -> dict[str, float]:
     """Measure ticks and env steps a second of process time."""
     world = load_world(scenario)
     engine = best(lambda k: routes_round(scenario, k), rounds)

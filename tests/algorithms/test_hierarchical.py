@@ -17,7 +17,7 @@ from hexwar_sb3.algorithms.checkpoint import load_checkpoint, save_checkpoint
 from hexwar_sb3.algorithms.hierarchical import HierarchicalQMIX
 from hexwar_sb3.algorithms.qmix import QMIX
 from hexwar_sb3.envs.registration import make_vec_env
-from hexwar_sb3.errors import ConfigError
+from hexwar_sb3.errors import CheckpointError, ConfigError
 from hexwar_sb3.play.lower_policy import HEURISTIC_LOWER, FrozenLower
 from hexwar_sb3.play.match import play_games
 
@@ -172,3 +172,13 @@ def test_without_lower_phases_it_is_qmix() -> None:
 def test_settings_out_of_range_are_refused_at_once(options: dict[str, Any], message: str) -> None:
     with pytest.raises(ConfigError, match=message):
         model(**options)
+
+
+def test_a_zip_of_other_levels_says_who_reads_it(tmp_path: Path) -> None:
+    model().save(tmp_path / "two")
+    QMIX("TaskPolicy", games(), **UPPER).save(tmp_path / "one")
+
+    with pytest.raises(CheckpointError, match=r"found two levels; expected HierarchicalQMIX\.load"):
+        QMIX.load(tmp_path / "two")
+    with pytest.raises(CheckpointError, match=r"found one level; expected QMIX\.load"):
+        HierarchicalQMIX.load(tmp_path / "one")
