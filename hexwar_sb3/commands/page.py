@@ -11,11 +11,14 @@ from hexwar_sb3.commands.run_folder import RunFolder, write_text
 from hexwar_sb3.evaluation.intervals import Estimate, paired_interval
 from hexwar_sb3.evaluation.panel import CONSTANT_PLANS, Panel, play_panel
 from hexwar_sb3.evaluation.provenance import provenance
+from hexwar_sb3.play.frozen import FrozenPolicy
+from hexwar_sb3.play.lower_policy import HEURISTIC_LOWER, FrozenLower
 
 if TYPE_CHECKING:
     from hexwar_sb3.commands.train import Train
 
 OPPONENTS = ("MA1", "MA2")
+LED_BY_HEURISTIC = "trained, heuristic lower"
 
 
 def write_page(settings: Train, folder: RunFolder, *, minutes: float) -> None:
@@ -26,8 +29,12 @@ def write_page(settings: Train, folder: RunFolder, *, minutes: float) -> None:
         folder: of the run.
         minutes: wall time of the training.
     """
-    players = {"untrained": str(folder.untrained), "trained": str(folder.policy)}
-    players |= {name: name for name in CONSTANT_PLANS}
+    trained = FrozenPolicy.load(folder.policy)
+    players: dict[str, object] = {"untrained": str(folder.untrained), "trained": trained}
+    if isinstance(trained.lower, FrozenLower):
+        players[LED_BY_HEURISTIC] = trained.led_by(HEURISTIC_LOWER)
+    if settings.constant_plans:
+        players |= {name: name for name in CONSTANT_PLANS}
     with games_bar(
         len(players) * len(OPPONENTS) * len(settings.terms().camps) * settings.final_games
     ) as progress:
@@ -62,12 +69,14 @@ def _title(settings: Train, minutes: float) -> str:
 
 
 def _gains(panels: dict[str, Panel]) -> str:
-    """Say how far the trained policy is above the untrained one and above the best constant plan."""
+    """Say how far the trained policy is above others on the same seeds; of the constant plans, the best one."""
     rows = []
     for opponent in OPPONENTS:
         trained = panels["trained"].against(opponent)
-        constant = max(CONSTANT_PLANS, key=lambda name: panels[name].against(opponent).win_rate.value)
-        for name in ("untrained", constant):
+        plans = [name for name in CONSTANT_PLANS if name in panels]
+        best = sorted(plans, key=lambda name: panels[name].against(opponent).win_rate.value)[-1:]
+        others = [name for name in panels if name not in ("trained", *plans)]
+        for name in (*others, *best):
             other = panels[name].against(opponent)
             won = paired_interval(100 * trained.scores, 100 * other.scores)
             rows.append(

@@ -15,7 +15,9 @@ Seed = Annotated[int, tyro.conf.arg(help="0..999999; the same seed gives the sam
 DecisionTicks = Annotated[
     int, tyro.conf.arg(help="ticks between two decisions of a policy; as it was trained")
 ]
-ScenarioName = Annotated[str, tyro.conf.arg(help="name of a built-in scenario, or path of a file")]
+ScenarioName = Annotated[
+    str, tyro.conf.arg(help="name of a built-in scenario, NAME@SEED for one like it, or path of a file")
+]
 
 
 def check_name(setting: str, name: str) -> None:

@@ -19,6 +19,8 @@ from hexwar_sb3.evaluation.seeds import Purpose
 from hexwar_sb3.maps.files import builtin_names
 
 EXPLORING_SHARE = 0.4  # of the games, in which epsilon falls to its last value
+LOWER_SCENARIOS = (*builtin_names(), "hills@1", "hills@2", "hills@3", "hills@4", "hills@5")
+"""Maps that the lower level learns on, so that it finds its way on those that it never saw."""
 LEARNED = "learned"  # `lower`: the model's own
 LOWERS = (LEARNED, "heuristic")
 LEARNER = (
@@ -81,7 +83,9 @@ class Train:
 
     lower: str | None = None  # who leads the pieces: "learned", "heuristic", or the folder of a policy
     phase_ticks: tuple[int, int] | None = None  # game ticks of the upper, of the lower level, in turn
-    lower_scenarios: tuple[str, ...] = ()  # maps of the lower level; else all built-in ones, or the scenario
+    lower_scenarios: tuple[
+        str, ...
+    ] = ()  # maps of the lower level; else the scenario and those of LOWER_SCENARIOS
     alpha: float | None = None  # weight of the camp's reward in r_L, eq. (5)
     beta: float | None = None  # cost of a step in r_L, eq. (5)
     beta_per: Literal["base_hop", "hop"] | None = (
@@ -112,6 +116,7 @@ class Train:
     eval_games: int = 64  # games an opponent and colour in each of them
     save_freq: int = 48_000  # env steps of both levels between two checkpoints
     final_games: int = 1000  # games an opponent and colour on the page at the end
+    constant_plans: bool = True  # the players that follow one fixed plan stand beside it on the page, or not
 
     name: str = "commander"  # the run folder is RUNS/NAME_k
     runs: Path = Path("runs")  # folder of the run folders
@@ -194,8 +199,7 @@ class Train:
     @property
     def route(self) -> dict[str, Any]:
         """Settings of the route env: the preset's, and those that were given."""
-        builtin = builtin_names()
-        scenarios = self.lower_scenarios or (builtin if self.scenario in builtin else [self.scenario])
+        scenarios = self.lower_scenarios or dict.fromkeys((self.scenario, *LOWER_SCENARIOS))
         given = self._given("alpha", "beta", "beta_per", "ways")
         return {"scenario": list(scenarios), **PRESETS[self.preset].route, **given}
 

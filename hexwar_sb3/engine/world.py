@@ -79,7 +79,7 @@ def load_world(scenario: str | Path | Scenario, ruleset: RuleSet | None = None) 
     return _world(_Content.of(scenario, ruleset or default_rules()))
 
 
-@lru_cache(maxsize=8)
+@lru_cache(maxsize=16)
 def _builtin(name: str) -> Scenario:
     return load_scenario(name)
 
@@ -99,7 +99,7 @@ class _Content:
         return cls(names, (scenario.hash, ruleset.hash), scenario, ruleset)
 
 
-@lru_cache(maxsize=8)
+@lru_cache(maxsize=16)
 def _world(content: _Content) -> World:
     scenario, ruleset = content.scenario, content.ruleset
     return World(scenario, ruleset, Terrain(scenario.hexmap, ruleset))

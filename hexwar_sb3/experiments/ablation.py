@@ -10,12 +10,12 @@ from pathlib import Path
 from typing import Any
 
 from hexwar_sb3.evaluation.intervals import Estimate
-from hexwar_sb3.experiments.fig7 import pair
-from hexwar_sb3.experiments.runs import Budget, Places, Run, hrl_run
+from hexwar_sb3.experiments.runs import Budget, Places, Run, dqn_run, hrl_run
 from hexwar_sb3.experiments.spread import seed_difference, spread
 from hexwar_sb3.play.records import DECISION_TICKS
 
 NAME, BASE = "ablation", "base"
+GAMES = 5_000  # fewer than a whole training has: what slows learning shows, and so do more seeds
 OPPONENTS = ("MA1", "MA2")
 QUANTITIES = ("win_rate", "mean_margin", "points_held")
 HEADS = ("row", "against", "seeds", "win rate, %", "mean margin", "points held", "margin minus base")
@@ -26,12 +26,14 @@ class Row:
     """One line of the table."""
 
     says: str  # how it differs from the base
+    lower: str = "heuristic"
     flags: tuple[str, ...] = ()
     decision_ticks: int = DECISION_TICKS
 
 
 ROWS = {
     BASE: Row(says="defaults, with the heuristic as the lower level"),
+    "learned-lower": Row(says="the lower level is learned too", lower="learned"),
     "vdn": Row(says="values added, no mixer", flags=("--mixer", "vdn")),
     "iql": Row(says="each piece learns alone", flags=("--mixer", "iql")),
     "warm-start": Row(says="games begin near G^B", flags=("--warm-start", "1.0")),
@@ -53,11 +55,11 @@ ROWS = {
     "single-q": Row(says="no double-Q", flags=("--double-q", "False")),
     "paper-preset": Row(says="section IV to the letter", flags=("--preset", "paper")),
 }
-SHARED = {
-    "hrl-plain": "the learned lower level (run of fig7)",
-    "dqn-plain": "no hierarchy: flat DQN (run of fig7)",
+NO_HIERARCHY = "flat-dqn"
+SAYS = {
+    **{name: row.says for name, row in ROWS.items()},
+    NO_HIERARCHY: "no hierarchy: flat DQN, as many games",
 }
-SAYS = {**{name: row.says for name, row in ROWS.items()}, **SHARED}
 
 
 def runs(budget: Budget, seeds: Sequence[int]) -> list[Run]:
@@ -67,7 +69,7 @@ def runs(budget: Budget, seeds: Sequence[int]) -> list[Run]:
         for seed in seeds
         for run in (
             *(row_run(name, seed, budget) for name in ROWS),
-            *pair("plain", seed, budget),
+            dqn_run(NAME, NO_HIERARCHY, seed, budget),
         )
     ]
 
@@ -75,7 +77,8 @@ def runs(budget: Budget, seeds: Sequence[int]) -> list[Run]:
 def row_run(name: str, seed: int, budget: Budget) -> Run:
     """A run of a row of our own."""
     row = ROWS[name]
-    flags = ("--lower", "heuristic", *row.flags)
+    plans = () if name == BASE else ("--no-constant-plans",)  # they are the same for all
+    flags = ("--lower", row.lower, *plans, *row.flags)
     return hrl_run(NAME, name, seed, budget, *flags, decision_ticks=row.decision_ticks)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Sequence
 from pathlib import Path
 from statistics import fmean
@@ -10,6 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from hexwar_sb3.algorithms.presets import PRESETS
 from hexwar_sb3.experiments.curve import read_curve
 from hexwar_sb3.experiments.runs import Budget, Places, Run, dqn_run, hrl_run
 from hexwar_sb3.files import replacing
@@ -17,7 +19,7 @@ from hexwar_sb3.files import replacing
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-NAME = "fig7"
+NAME, GAMES = "fig7", 10_000
 SCENARIOS = ("plain", "hills", "paddy")  # the first with all seeds, the others with the first seed
 OPPONENTS = ("MA1", "MA2")
 METHODS = {"hrl": "HRL", "dqn": "DQN"}
@@ -35,10 +37,12 @@ def runs(budget: Budget, seeds: Sequence[int]) -> list[Run]:
 
 
 def pair(scenario: str, seed: int, budget: Budget) -> tuple[Run, Run]:
-    """The two methods on equal terms; both learn from the same opponents, in the same number of games."""
+    """The two methods on equal terms: the same opponents, and as many game ticks of all levels together."""
+    upper, lower = PRESETS["default"].phase_ticks
+    games = math.ceil(budget.games * (upper + lower) / upper)
     return (
         hrl_run(NAME, f"hrl-{scenario}", seed, budget, scenario=scenario),
-        dqn_run(NAME, f"dqn-{scenario}", seed, budget, scenario=scenario),
+        dqn_run(NAME, f"dqn-{scenario}", seed, budget, games=games, scenario=scenario),
     )
 
 

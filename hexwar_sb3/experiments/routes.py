@@ -17,8 +17,8 @@ import numpy as np
 from hexwar_sb3.evaluation.provenance import provenance
 from hexwar_sb3.evaluation.seeds import Purpose, seed_for
 from hexwar_sb3.files import replacing
-from hexwar_sb3.maps.files import builtin_names, load_scenario
-from hexwar_sb3.maps.generator import PLANS, generate, standard_scenario
+from hexwar_sb3.maps.files import builtin_names, load_map, load_scenario
+from hexwar_sb3.maps.generator import standard_scenario
 from hexwar_sb3.maps.hexmap import LAYERS, HexMap
 from hexwar_sb3.maps.scenario import Scenario
 from hexwar_sb3.play.routes import measure_routes
@@ -28,13 +28,12 @@ UNSEEN_SEED = 1001  # of the generator; the built-in maps have others
 
 def unseen() -> Scenario:
     """A map like "hills" from another seed."""
-    return standard_scenario(generate(replace(PLANS["hills"], name="unseen", seed=UNSEEN_SEED)))
+    return load_scenario(f"hills@{UNSEEN_SEED}")
 
 
 def asymmetric() -> Scenario:
     """A map whose west is like "paddy" and whose east is like "hills"."""
-    west = generate(replace(PLANS["paddy"], name="west", seed=UNSEEN_SEED))
-    east = generate(replace(PLANS["hills"], name="east", seed=UNSEEN_SEED))
+    west, east = (load_map(f"{name}@{UNSEEN_SEED}") for name in ("paddy", "hills"))
     return standard_scenario(_joined(west, east))
 
 

@@ -89,12 +89,15 @@ def hrl_run(
     return Run(experiment=experiment, row=row, seed=seed, arguments=words)
 
 
-def dqn_run(experiment: str, row: str, seed: int, budget: Budget, *, scenario: str = "plain") -> Run:
-    """A run of the paper's baseline: the same games, evaluated alike."""
+def dqn_run(
+    experiment: str, row: str, seed: int, budget: Budget, *, games: int | None = None, scenario: str = "plain"
+) -> Run:
+    """A run of the paper's baseline: the budget's games, or so many, evaluated as often."""
+    games = games or budget.games
     numbers = {
         "--seed": seed,
-        "--games": budget.games,
-        "--eval-freq": max(1, budget.games // EVALUATIONS),
+        "--games": games,
+        "--eval-freq": max(1, games // EVALUATIONS),
         "--eval-games": budget.eval_games,
         "--final-games": budget.final_games,
     }

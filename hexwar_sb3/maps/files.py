@@ -3,18 +3,22 @@
 from __future__ import annotations
 
 import json
+import re
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from hexwar_sb3.errors import MapFileError, ScenarioFileError, UnknownNameError
 from hexwar_sb3.files import replacing
 from hexwar_sb3.maps.document import Document
+from hexwar_sb3.maps.generator import PLANS, generate, standard_scenario
 from hexwar_sb3.maps.hexmap import HexMap
 from hexwar_sb3.maps.map_file import map_document, map_from
 from hexwar_sb3.maps.scenario import Scenario
 from hexwar_sb3.maps.scenario_file import scenario_document, scenario_from
 
 BUILTIN = Path(__file__).parent / "builtin"
+_LIKE = re.compile(r"(\w+)@(\d{1,9})")  # "hills@7": the map of the plan of "hills" under seed 7
 
 
 def builtin_names() -> list[str]:
@@ -23,25 +27,30 @@ def builtin_names() -> list[str]:
 
 
 def load_map(name_or_path: str | Path) -> HexMap:
-    """A built-in map by its name, or a map file by its path, which ends in ".json".
+    """A built-in map by its name, one like it by "NAME@SEED", or a map file by its path, which ends in ".json".
 
     Raises:
         UnknownNameError: no built-in map has this name.
         MapFileError: the file cannot be used; it says where and why.
     """
+    like = _LIKE.fullmatch(str(name_or_path))
+    if like is not None:
+        return _map_like(*like.groups())
     return map_from(Document.read(_find("map", name_or_path), MapFileError))
 
 
 def load_scenario(name_or_path: str | Path) -> Scenario:
-    """A built-in scenario by its name, or a scenario file by its path, which ends in ".json".
+    """A built-in scenario by its name, one like it by "NAME@SEED", or a scenario file by its path ending in ".json".
 
-    The map that it names is a built-in one or a file in the same folder.
+    The map that a file names is a built-in one or a file in the same folder.
 
     Raises:
         UnknownNameError: no built-in scenario has this name.
         ScenarioFileError: the file cannot be used; it says where and why.
         MapFileError: the same of its map.
     """
+    if _LIKE.fullmatch(str(name_or_path)):
+        return standard_scenario(load_map(name_or_path))
     path = _find("scenario", name_or_path)
     return _scenario_in(Document.read(path, ScenarioFileError), path.parent)
 
@@ -64,6 +73,13 @@ def save_map(hexmap: HexMap, path: str | Path) -> None:
 def save_scenario(scenario: Scenario, path: str | Path, map_name: str | None = None) -> None:
     """Write a scenario file that names its map, or holds it if `map_name` is None."""
     _write(Path(path), scenario_document(scenario, map_name))
+
+
+def _map_like(name: str, seed: str) -> HexMap:
+    """The map of a built-in one's plan under another seed."""
+    if name not in PLANS:
+        raise UnknownNameError("map", name, PLANS)
+    return generate(replace(PLANS[name], name=f"{name}@{int(seed)}", seed=int(seed)))
 
 
 def _find(kind: str, name_or_path: str | Path) -> Path:

@@ -108,6 +108,11 @@ class FrozenPolicy:
         best_tasks(rows, tasks, np.ascontiguousarray(mask, np.int8).reshape(n, -1), self._net, q, best)
         return best.reshape(mask.shape[:2]), q.reshape(mask.shape)
 
+    def led_by(self, lower: Lower) -> FrozenPolicy:
+        """Give the same tasks with another lower level."""
+        sizes = {"n_pieces": self.n_pieces, "n_tasks": self.n_tasks}
+        return FrozenPolicy(self.weights, **sizes, about=self.about, lower=lower)
+
     def save(self, folder: str | Path) -> None:
         """Write the folder `config.json` + `weights.safetensors`, and `lower/` if it has a network of its own."""
         folder = Path(folder)

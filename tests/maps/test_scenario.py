@@ -51,6 +51,16 @@ def test_the_main_point_is_worth_80_and_the_secondary_50(scenario: Scenario) -> 
     assert not scenario.net_score
 
 
+def test_a_name_and_a_seed_make_a_scenario_of_the_same_plan() -> None:
+    hills = load_scenario("hills")
+    assert load_scenario(f"hills@{hills.hexmap.seed}").hash == hills.hash
+    other = load_scenario("hills@7")
+    assert (other.name, other.hexmap.seed, other.pieces) == ("hills@7", 7, hills.pieces)
+    assert other.hexmap.hash != hills.hexmap.hash
+    with pytest.raises(UnknownNameError, match="unknown map 'hill'; did you mean 'hills'"):
+        load_scenario("hill@7")
+
+
 def test_scenarios_read_back_as_written(scenario: Scenario, tmp_path: Path) -> None:
     path = tmp_path / "copy.json"
     for map_name in (None, scenario.name):
