@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from hexwar_sb3.evaluation.intervals import Estimate
-from hexwar_sb3.experiments.runs import Budget, Places, Run, dqn_run, hrl_run
+from hexwar_sb3.experiments.runs import FLAT_DQN, TASK_PPO, Budget, Places, Run, baseline_run, hrl_run
 from hexwar_sb3.experiments.spread import seed_difference, spread
 from hexwar_sb3.play.records import DECISION_TICKS
 
@@ -55,29 +55,33 @@ ROWS = {
     "single-q": Row(says="no double-Q", flags=("--double-q", "False")),
     "paper-preset": Row(says="section IV to the letter", flags=("--preset", "paper")),
 }
-NO_HIERARCHY = "flat-dqn"
+BASELINES = {
+    "flat-dqn": (FLAT_DQN, "no hierarchy: Stable-Baselines3's DQN on the flat env, as many games"),
+    "maskable-ppo": (TASK_PPO, "sb3-contrib's MaskablePPO on the task env, as many games"),
+}
 SAYS = {
     **{name: row.says for name, row in ROWS.items()},
-    NO_HIERARCHY: "no hierarchy: flat DQN, as many games",
+    **{name: says for name, (_, says) in BASELINES.items()},
 }
+NO_PLANS = "--no-constant-plans"  # they are the same for all: the base plays them
 
 
 def runs(budget: Budget, seeds: Sequence[int]) -> list[Run]:
     """Every run of the table, seed by seed, so that one seed of every row comes first."""
-    return [
-        run
-        for seed in seeds
-        for run in (
-            *(row_run(name, seed, budget) for name in ROWS),
-            dqn_run(NAME, NO_HIERARCHY, seed, budget),
-        )
-    ]
+    return [run for seed in seeds for run in _runs_of(seed, budget)]
+
+
+def _runs_of(seed: int, budget: Budget) -> Iterator[Run]:
+    for name in ROWS:
+        yield row_run(name, seed, budget)
+    for name, (module, _) in BASELINES.items():
+        yield baseline_run(module, NAME, name, seed, budget, NO_PLANS)
 
 
 def row_run(name: str, seed: int, budget: Budget) -> Run:
     """A run of a row of our own."""
     row = ROWS[name]
-    plans = () if name == BASE else ("--no-constant-plans",)  # they are the same for all
+    plans = () if name == BASE else (NO_PLANS,)
     flags = ("--lower", row.lower, *plans, *row.flags)
     return hrl_run(NAME, name, seed, budget, *flags, decision_ticks=row.decision_ticks)
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from hexwar_sb3.algorithms.presets import PRESETS
 from hexwar_sb3.experiments.curve import read_curve
-from hexwar_sb3.experiments.runs import Budget, Places, Run, dqn_run, hrl_run
+from hexwar_sb3.experiments.runs import FLAT_DQN, Budget, Places, Run, baseline_run, hrl_run
 from hexwar_sb3.files import replacing
 
 if TYPE_CHECKING:
@@ -42,7 +42,7 @@ def pair(scenario: str, seed: int, budget: Budget) -> tuple[Run, Run]:
     games = math.ceil(budget.games * (upper + lower) / upper)
     return (
         hrl_run(NAME, f"hrl-{scenario}", seed, budget, scenario=scenario),
-        dqn_run(NAME, f"dqn-{scenario}", seed, budget, games=games, scenario=scenario),
+        baseline_run(FLAT_DQN, NAME, f"dqn-{scenario}", seed, budget, games=games, scenario=scenario),
     )
 
 

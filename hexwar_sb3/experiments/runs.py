@@ -12,7 +12,8 @@ from hexwar_sb3.engine.world import load_world
 from hexwar_sb3.errors import ConfigError, UnknownNameError
 from hexwar_sb3.play.records import DECISION_TICKS
 
-HEXWAR, FLAT_DQN = "hexwar_sb3.cli", "hexwar_sb3.commands.flat_dqn"  # modules that train
+HEXWAR = "hexwar_sb3.cli"  # modules that train
+FLAT_DQN, TASK_PPO = "hexwar_sb3.commands.flat_dqn", "hexwar_sb3.commands.task_ppo"
 EVALUATIONS, CHECKPOINTS = 10, 5  # of a run, evenly over its games
 
 
@@ -89,10 +90,17 @@ def hrl_run(
     return Run(experiment=experiment, row=row, seed=seed, arguments=words)
 
 
-def dqn_run(
-    experiment: str, row: str, seed: int, budget: Budget, *, games: int | None = None, scenario: str = "plain"
+def baseline_run(
+    module: str,
+    experiment: str,
+    row: str,
+    seed: int,
+    budget: Budget,
+    *flags: str,
+    games: int | None = None,
+    scenario: str = "plain",
 ) -> Run:
-    """A run of the paper's baseline: the budget's games, or so many, evaluated as often."""
+    """A run of a baseline: the budget's games, or so many, evaluated as often."""
     games = games or budget.games
     numbers = {
         "--seed": seed,
@@ -101,8 +109,8 @@ def dqn_run(
         "--eval-games": budget.eval_games,
         "--final-games": budget.final_games,
     }
-    words = ("--scenario", scenario, *_words(numbers))
-    return Run(experiment=experiment, row=row, seed=seed, arguments=words, module=FLAT_DQN)
+    words = ("--scenario", scenario, *_words(numbers), *flags)
+    return Run(experiment=experiment, row=row, seed=seed, arguments=words, module=module)
 
 
 def _words(numbers: dict[str, int]) -> tuple[str, ...]:

@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 from stable_baselines3 import DQN
 
-from hexwar_sb3.commands.flat_dqn import FlatDqn, finished_games
+from hexwar_sb3.commands.baseline import finished_games
+from hexwar_sb3.commands.flat_dqn import FlatDqn
 from hexwar_sb3.commands.run_folder import RunFolder
 from hexwar_sb3.evaluation.history import History
 from hexwar_sb3.evaluation.panel import CONSTANT_PLANS

@@ -11,11 +11,11 @@ import pytest
 
 from hexwar_sb3.experiments import carry_out as module
 from hexwar_sb3.experiments.carry_out import arguments, carry_out
-from hexwar_sb3.experiments.runs import Budget, Places, Run, State, dqn_run, hrl_run
+from hexwar_sb3.experiments.runs import FLAT_DQN, Budget, Places, Run, State, baseline_run, hrl_run
 
 MakeFolder = Callable[..., Path]
 RUN = hrl_run("fig7", "hrl-plain", 0, Budget(games=100))
-BASELINE = dqn_run("fig7", "dqn-plain", 0, Budget(games=100))
+BASELINE = baseline_run(FLAT_DQN, "fig7", "dqn-plain", 0, Budget(games=100))
 
 WAITS = """
 import pathlib, signal, sys, time

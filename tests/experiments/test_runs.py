@@ -10,11 +10,24 @@ import tyro
 
 from hexwar_sb3.algorithms.presets import PRESETS
 from hexwar_sb3.cli import parse
+from hexwar_sb3.commands.baseline import Baseline
 from hexwar_sb3.commands.flat_dqn import FlatDqn
+from hexwar_sb3.commands.task_ppo import TaskPpo
 from hexwar_sb3.commands.train import Train
 from hexwar_sb3.errors import ConfigError, UnknownNameError
 from hexwar_sb3.experiments import ablation, fig7
-from hexwar_sb3.experiments.runs import FLAT_DQN, HEXWAR, Budget, Places, Run, State, choose, dqn_run, hrl_run
+from hexwar_sb3.experiments.runs import (
+    FLAT_DQN,
+    HEXWAR,
+    TASK_PPO,
+    Budget,
+    Places,
+    Run,
+    State,
+    baseline_run,
+    choose,
+    hrl_run,
+)
 
 MakeFolder = Callable[..., Path]
 
@@ -53,6 +66,11 @@ def settings_of(run: Run) -> Train:
     return settings
 
 
+def settings_of_baseline(run: Run) -> Baseline:
+    kinds: dict[str, type[Baseline]] = {FLAT_DQN: FlatDqn, TASK_PPO: TaskPpo}
+    return tyro.cli(kinds[run.module], args=run.arguments, config=(tyro.conf.FlagCreatePairsOff,))
+
+
 @pytest.mark.parametrize("row", TRAINED)
 def test_every_run_is_a_command_of_hexwar_train_with_the_same_games(row: str) -> None:
     settings = settings_of(TRAINED[row])
@@ -62,22 +80,25 @@ def test_every_run_is_a_command_of_hexwar_train_with_the_same_games(row: str) ->
 
 
 @pytest.mark.parametrize("row", [row for row in RUNS if row not in TRAINED])
-def test_every_baseline_is_a_command_of_the_flat_dqn(row: str) -> None:
-    settings = tyro.cli(FlatDqn, args=RUNS[row].arguments)
+def test_every_baseline_is_a_command_of_its_module(row: str) -> None:
+    settings = settings_of_baseline(RUNS[row])
 
     assert settings.games == 10 * settings.eval_freq + settings.games % 10
-    assert settings.scenario == {"flat-dqn": "plain"}.get(row, row.removeprefix("dqn-"))
+    assert settings.scenario == (row.removeprefix("dqn-") if RUNS[row].experiment == "fig7" else "plain")
 
 
 def test_the_baseline_of_the_figure_has_as_many_ticks_as_both_levels_together() -> None:
     upper, lower = PRESETS["default"].phase_ticks
-    settings = tyro.cli(FlatDqn, args=RUNS["dqn-plain"].arguments)
+    settings = settings_of_baseline(RUNS["dqn-plain"])
 
     assert settings.games == math.ceil(100 * (1 + lower / upper)) > 100
 
 
-def test_the_baseline_of_the_ablation_has_as_many_games_as_a_base_without_lower_level() -> None:
-    assert tyro.cli(FlatDqn, args=RUNS["flat-dqn"].arguments).games == 100
+@pytest.mark.parametrize("row", ablation.BASELINES)
+def test_a_baseline_of_the_ablation_has_as_many_games_as_a_base_without_lower_level(row: str) -> None:
+    settings = settings_of_baseline(RUNS[row])
+
+    assert (settings.games, settings.constant_plans) == (100, False)
 
 
 @pytest.mark.parametrize("row", DIFFERS)
@@ -90,7 +111,7 @@ def test_a_row_of_the_ablation_differs_from_the_base_in_one_thing(row: str) -> N
 def test_the_ablation_has_every_row_that_was_tried() -> None:
     rows = [run.row for run in ablation.runs(BUDGET, [0])]
 
-    assert sorted(rows) == sorted([*DIFFERS, "base", "flat-dqn"])
+    assert sorted(rows) == sorted([*DIFFERS, "base", "flat-dqn", "maskable-ppo"])
     assert set(ablation.SAYS) == set(rows)
 
 
@@ -109,7 +130,7 @@ def test_a_command_says_all_that_makes_the_run_again() -> None:
         "hexwar train --scenario plain --seed 0 --n-timesteps 2400 --decision-ticks 75 --eval-freq 240 "
         "--save-freq 480 --eval-games 64 --final-games 2000"
     )
-    assert dqn_run("fig7", "dqn-plain", 0, BUDGET).command.startswith(
+    assert baseline_run(FLAT_DQN, "fig7", "dqn-plain", 0, BUDGET).command.startswith(
         f"python -m {FLAT_DQN} --scenario plain"
     )
 

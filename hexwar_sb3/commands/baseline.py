@@ -1,0 +1,248 @@
+"""A baseline of another library, trained and measured as `hexwar train`: what all of them share.
+
+They leave the files of `hexwar train`, but for a policy folder and checkpoints: a run that was broken off starts anew.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+from abc import abstractmethod
+from dataclasses import dataclass
+from pathlib import Path
+from time import monotonic
+from typing import Any, ClassVar, cast
+
+import torch
+import tyro
+from stable_baselines3.common.base_class import BaseAlgorithm
+from stable_baselines3.common.callbacks import BaseCallback, CallbackList
+from stable_baselines3.common.logger import configure
+from stable_baselines3.common.vec_env import VecEnv, VecEnvWrapper
+from stable_baselines3.common.vec_env.base_vec_env import VecEnvObs, VecEnvStepReturn
+
+from hexwar_sb3.callbacks.win_rate import WinRateCallback
+from hexwar_sb3.commands.bench_start import peak_mb
+from hexwar_sb3.commands.output import compile_first, panel_table
+from hexwar_sb3.commands.run_folder import RunFolder, write_text
+from hexwar_sb3.commands.settings import ScenarioName, Seed
+from hexwar_sb3.engine.world import load_world
+from hexwar_sb3.envs.registration import make_vec_env
+from hexwar_sb3.errors import ConfigError, HexWarError
+from hexwar_sb3.evaluation.panel import CONSTANT_PLANS, Terms, play_panel
+from hexwar_sb3.evaluation.provenance import provenance
+from hexwar_sb3.evaluation.seeds import Purpose, seed_for
+
+OPPONENTS = ("MA1", "MA2")
+USER_ERROR, INTERRUPTED = 2, 130  # exit codes
+
+
+@dataclass(frozen=True, kw_only=True)
+class Baseline:
+    """Train a model for a number of games, then say what was learned."""
+
+    title: ClassVar[str]  # in sentences
+    module: ClassVar[str]  # run as `python -m`
+    algorithm: ClassVar[type[BaseAlgorithm]]
+    env: ClassVar[str]
+    env_settings: ClassVar[dict[str, Any]] = {}
+
+    games: int = 10_000
+    seed: Seed = 0
+    scenario: ScenarioName = "plain"
+    opponents: tuple[str, ...] = OPPONENTS  # each game draws one
+    decision_ticks: int = 75
+    n_envs: int = 16  # games side by side
+    reward_scale: float = 50.0  # points that count as 1
+
+    eval_freq: int = 1000  # games between two evaluations
+    eval_games: int = 64  # games an opponent and colour in each of them
+    final_games: int = 1000  # games an opponent and colour on the page at the end
+    constant_plans: bool = True  # the players that follow one fixed plan stand beside it on the page, or not
+
+    name: str = "baseline"  # the run folder is RUNS/NAME_k
+    runs: Path = Path("runs")
+
+    @abstractmethod
+    def new_model(self) -> BaseAlgorithm:
+        """The untrained model with its env."""
+
+    @property
+    @abstractmethod
+    def most_steps(self) -> int:
+        """Env steps that the games have at most."""
+
+    def run(self) -> int:
+        """Train."""
+        for name in ("games", "n_envs", "eval_freq", "eval_games", "final_games"):
+            if getattr(self, name) < 1:
+                raise ConfigError(f"{name} must be at least 1, got {getattr(self, name)}")
+        torch.set_num_threads(1)
+        model = self.new_model()
+        compile_first()
+        folder = RunFolder.new(self.runs, self.name)
+        folder.write_config(self, " ".join([f"python -m {self.module}", *sys.argv[1:]]))
+        start = monotonic()
+        self.learn(model, folder)
+        write_page(self, folder, minutes=(monotonic() - start) / 60)
+        return 0
+
+    def learn(self, model: BaseAlgorithm, folder: RunFolder) -> None:
+        """Let the model play its games."""
+        model.save(untrained(folder))
+        model.set_logger(configure(str(folder.path), ["csv"]))
+        watch = GamesWinRate(self.decisions, self.eval_freq, self.opponents, self.terms(), folder=folder.path)
+        try:
+            model.learn(
+                self.most_steps, callback=CallbackList([watch, UntilGames(self.games)]), log_interval=200
+            )
+        finally:
+            model.logger.close()
+        model.save(folder.model)
+
+    def make_env(self) -> VecEnv:
+        """Make the games that it learns from."""
+        env = make_vec_env(
+            self.env,
+            self.n_envs,
+            seed_for(Purpose.TRAINING, self.seed),
+            scenario=self.scenario,
+            side="both",
+            opponent=list(self.opponents),
+            decision_ticks=self.decision_ticks,
+            reward="net",
+            **self.env_settings,
+        )
+        return ScaledGames(env, self.reward_scale)
+
+    def terms(self, purpose: Purpose = Purpose.SELECTION) -> Terms:
+        """Say how it is measured: while it learns, or on the page at the end."""
+        games = self.eval_games if purpose == Purpose.SELECTION else self.final_games
+        return Terms(
+            scenario=self.scenario,
+            games=games,
+            seed=self.seed,
+            purpose=purpose,
+            decision_ticks=self.decision_ticks,
+        )
+
+    @property
+    def decisions(self) -> int:
+        """Decisions of a game: env steps of the task env."""
+        return load_world(self.scenario).scenario.game_ticks // self.decision_ticks
+
+
+class ScaledGames(VecEnvWrapper):
+    """Divides rewards, so that values are about 1, and counts games; episode records stay in points."""
+
+    def __init__(self, venv: VecEnv, scale: float) -> None:
+        super().__init__(venv)
+        self.scale, self.finished = scale, 0
+
+    def reset(self) -> VecEnvObs:
+        """Start anew."""
+        return self.venv.reset()
+
+    def step_wait(self) -> VecEnvStepReturn:
+        """Step, then scale."""
+        obs, reward, done, infos = self.venv.step_wait()
+        self.finished += int(done.sum())
+        return obs, reward / self.scale, done, infos
+
+
+class GamesWinRate(WinRateCallback):
+    """The same evaluations at the same games: env steps are the decisions of the finished games.
+
+    Args:
+        decisions: of a game.
+        every: games between two evaluations.
+        args, kwargs: of `WinRateCallback`.
+    """
+
+    def __init__(self, decisions: int, every: int, *args: Any, **kwargs: Any) -> None:
+        super().__init__(every * decisions, *args, **kwargs)
+        self.decisions = decisions
+
+    def now(self) -> int:
+        """Decisions of the finished games."""
+        return finished_games(self.model) * self.decisions
+
+    def player(self) -> Any:
+        """The model itself plays."""
+        return self.model
+
+    def keep_best(self, player: Any) -> None:
+        """Save the model; it has no policy folder."""
+        player.save(best(self.folder))
+
+
+class UntilGames(BaseCallback):
+    """Ends the training after a number of games."""
+
+    def __init__(self, games: int) -> None:
+        super().__init__()
+        self.games = games
+
+    def _on_step(self) -> bool:
+        return finished_games(self.model) < self.games
+
+
+def finished_games(model: BaseAlgorithm) -> int:
+    """Games that its env has finished."""
+    return cast("ScaledGames", model.get_env()).finished
+
+
+def untrained(folder: RunFolder) -> Path:
+    """The model before training, for the page."""
+    return folder.path / "untrained.zip"
+
+
+def best(folder: Path) -> Path:
+    """The model that did best in the evaluations."""
+    return folder / "best_model.zip"
+
+
+def write_page(settings: Baseline, folder: RunFolder, *, minutes: float) -> None:
+    """Play fresh games before and after, beside constant plans; the figures of the page of `hexwar train`."""
+    players: dict[str, object] = {
+        "untrained": settings.algorithm.load(untrained(folder), device="cpu"),
+        "trained": settings.algorithm.load(best(folder.path), device="cpu"),
+    }
+    if settings.constant_plans:
+        players |= {name: name for name in CONSTANT_PLANS}
+    terms = settings.terms(Purpose.REPORT)
+    panels = [play_panel(player, OPPONENTS, terms, name=name) for name, player in players.items()]
+    rows = [row for panel in panels for row in panel.summary()]
+    steps = settings.games * settings.decisions
+    figures = {
+        "command": (folder.path / "command.txt").read_text(encoding="utf-8").strip(),
+        "seed": settings.seed,
+        "n_timesteps": steps,
+        "games": settings.final_games,
+        **provenance(settings.scenario),
+        "minutes": minutes,
+        "peak_mb": peak_mb(),
+        "rows": rows,
+    }
+    write_text(folder.path / "page.json", json.dumps(figures, indent=2) + "\n")
+    title = (
+        f'What {settings.title} learned on "{settings.scenario}", seed {settings.seed}: {settings.games:,} games against '
+        f"{', '.join(settings.opponents)} in {minutes:.1f} minutes.\n"
+        "Figures: fresh games; win rate = (won + drawn / 2) / games; 95 % intervals."
+    )
+    text = f"{title}\n\n{panel_table(rows)}"
+    write_text(folder.page, text + "\n")
+    print(text)
+
+
+def run_baseline(cls: type[Baseline]) -> int:
+    """Run a command line; a mistake of the user's ends in one line, Ctrl-C in none: nothing was saved."""
+    program = cls.module.rpartition(".")[2]
+    try:
+        return tyro.cli(cls, config=(tyro.conf.FlagCreatePairsOff,)).run()
+    except (HexWarError, OSError) as error:
+        print(f"{program}: {error}", file=sys.stderr)
+        return USER_ERROR
+    except KeyboardInterrupt:
+        print(f"{program}: stopped; it starts anew", file=sys.stderr)
+        return INTERRUPTED
