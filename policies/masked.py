@@ -88,12 +88,13 @@ class MaskedDQNPolicy(DQNPolicy):
         return MaskedQNetwork(**options).to(self.device)
 
 
-def freeze_lower(policy: MaskedDQNPolicy, *, ways: bool, **about: str) -> FrozenLower:
+def freeze_lower(policy: MaskedDQNPolicy, *, ways: bool, tie: float = 0.0, **about: str) -> FrozenLower:
     """Copy the network of a DQN that learned in the route env into one for the drive loop, without torch.
 
     Args:
         policy: with the default layers, 64 and 64.
         ways: the env's setting.
+        tie: of `FrozenLower`.
         about: what it was trained on.
 
     Raises:
@@ -107,7 +108,7 @@ def freeze_lower(policy: MaskedDQNPolicy, *, ways: bool, **about: str) -> Frozen
         for k, layer in enumerate(layers, 1)
         for name, tensor in layer.state_dict().items()
     }
-    return FrozenLower(weights, ways=ways, about=about)
+    return FrozenLower(weights, ways=ways, tie=tie, about=about)
 
 
 class MaskedQRDQNPolicy(QRDQNPolicy):

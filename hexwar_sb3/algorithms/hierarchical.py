@@ -19,7 +19,7 @@ from hexwar_sb3.algorithms.model_file import File
 from hexwar_sb3.algorithms.parts import env_snapshot, part, restore_env, under
 from hexwar_sb3.algorithms.qmix import QMIX
 from hexwar_sb3.envs.registration import ROUTE_ENV, make_vec_env
-from hexwar_sb3.envs.route_settings import route_settings
+from hexwar_sb3.envs.route_settings import RouteSettings, route_settings
 from hexwar_sb3.envs.route_vec_env import route_spaces
 from hexwar_sb3.envs.settings import TaskSettings
 from hexwar_sb3.errors import ConfigError
@@ -44,6 +44,7 @@ LOWER_DEFAULTS: dict[str, Any] = {
 }
 """Arguments of `MaskedDQN` for the route env that differ from its own defaults."""
 
+TIE = 0.2  # of beta: values of answers that are nearer to each other count as equal
 TEST_ROUTES = 50  # of each piece, to see whether the lower level may lead
 SHARED_SETTINGS = ("side", "opponent", "decision_ticks", "reward", "scenario")
 _COUNTERS = ("num_timesteps", "_n_calls", "_n_updates", "_episode_num")
@@ -121,12 +122,17 @@ class HierarchicalQMIX(QMIX):
     def frozen_lower(self) -> FrozenLower:
         """Copy the learned lower level as it is now."""
         policy = cast("MaskedDQNPolicy", self.lower.policy)
-        return freeze_lower(policy, ways=self.ways)
+        return freeze_lower(policy, ways=self.ways, tie=self.tie)
 
     @property
     def ways(self) -> bool:
         """Whether the fastest ways are part of the lower level's state."""
         return bool(self.route_kwargs.get("ways", True))
+
+    @property
+    def tie(self) -> float:
+        """Values of two answers that differ by less than a part of a base hop's cost are equal."""
+        return TIE * float(self.route_kwargs.get("beta", RouteSettings.beta))
 
     @property
     def lower_is_due(self) -> bool:
@@ -222,7 +228,8 @@ class HierarchicalQMIX(QMIX):
         """Read a model zip of both levels, as `QMIX.load`."""
         model = super().load(*args, **kwargs)
         if model.leads:
-            model.policy.lower = FrozenLower.of_numbers(model.leader.numpy().copy(), ways=model.ways)
+            numbers = model.leader.numpy().copy()
+            model.policy.lower = FrozenLower.of_numbers(numbers, ways=model.ways, tie=model.tie)
             model.lead_envs()
         return model
 

@@ -25,6 +25,11 @@ class Preset:
     route: Settings = field(default_factory=dict)  # of `RouteSettings`
     learner: Settings = field(default_factory=dict)  # of `QMIX`
 
+    def lower_ticks(self, upper_ticks: int) -> int:
+        """Game ticks of the lower level in a training with so many of the upper one."""
+        upper, lower = self.phase_ticks
+        return (upper_ticks - 1) // upper * lower  # a phase that is due at the end does not begin
+
 
 PRESETS = {
     "default": Preset(

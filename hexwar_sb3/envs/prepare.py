@@ -45,10 +45,11 @@ def start(code: str) -> subprocess.Popen[bytes]:
 
 def compile_part(part: str) -> None:
     """Compile one of the parts by using it."""
-    from hexwar_sb3.envs.registration import make_vec_env
+    from hexwar_sb3.envs.registration import ROUTE_ENV, make_vec_env
     from hexwar_sb3.play.match import play_games
 
     if part == "play":
         play_games("MA1", "MA2", 1)
     else:
         make_vec_env(n_envs=1, privileged_state=True).reset()
+        make_vec_env(ROUTE_ENV, n_envs=1).reset()

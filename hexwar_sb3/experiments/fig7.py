@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from hexwar_sb3.algorithms.presets import PRESETS
+from hexwar_sb3.engine.world import load_world
 from hexwar_sb3.experiments.curve import read_curve
 from hexwar_sb3.experiments.runs import FLAT_DQN, Budget, Places, Run, baseline_run, hrl_run
 from hexwar_sb3.files import replacing
@@ -38,8 +39,8 @@ def runs(budget: Budget, seeds: Sequence[int]) -> list[Run]:
 
 def pair(scenario: str, seed: int, budget: Budget) -> tuple[Run, Run]:
     """The two methods on equal terms: the same opponents, and as many game ticks of all levels together."""
-    upper, lower = PRESETS["default"].phase_ticks
-    games = math.ceil(budget.games * (upper + lower) / upper)
+    game = load_world(scenario).scenario.game_ticks
+    games = budget.games + math.ceil(PRESETS["default"].lower_ticks(budget.games * game) / game)
     return (
         hrl_run(NAME, f"hrl-{scenario}", seed, budget, scenario=scenario),
         baseline_run(FLAT_DQN, NAME, f"dqn-{scenario}", seed, budget, games=games, scenario=scenario),

@@ -32,6 +32,7 @@ LOWER_NET = np.dtype(
         ("bias2", "f4", (HIDDEN,)),
         ("weight3", "f4", (HIDDEN, N_ANSWERS)),
         ("bias3", "f4", (N_ANSWERS,)),
+        ("tie", "f4"),  # values that differ by no more are equal
         ("ways", "u1"),  # 1: it was trained with the fastest ways in its state
     ],
     align=True,
@@ -53,12 +54,15 @@ def route_values(state: Rows, net: Row, q: Rows) -> None:
 
 
 @kernel
-def best_answer(q: Rows, mask: Rows) -> int:
-    """The valid answer of the highest value, the first of equals: q [7], mask [7]."""
+def best_answer(q: Rows, mask: Rows, tie: float) -> int:
+    """The valid answer of the highest value, the first of those at most `tie` below it: q [7], mask [7]."""
     best = STAY
     for a in range(q.size):
         if mask[a] != 0 and (q[a] > q[best] or mask[best] == 0):
             best = a
+    for a in range(best):
+        if mask[a] != 0 and q[a] >= q[best] - tie:
+            return a
     return best
 
 
@@ -95,7 +99,7 @@ def ask_network(piece: Row, plan: Row, net: Row, rules: Row, cells: Rows, eta: R
     )
     q = np.zeros(N_ANSWERS, np.float32)
     route_values(state, net, q)
-    return best_answer(q, mask)
+    return best_answer(q, mask, net.tie)
 
 
 @kernel

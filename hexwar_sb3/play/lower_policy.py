@@ -46,21 +46,30 @@ class FrozenLower:
     Args:
         weights: two layers of 64 and the values of 7 answers, by name, [output, input].
         ways: it was trained with the fastest ways in its state.
+        tie: answers whose values differ by no more are equal, and the first of them is taken. Equally fast ways
+            have values that differ by chance alone (assumption A34).
         about: what it was trained on.
 
     Raises:
-        ConfigError: other layers, or numbers that are not finite.
+        ConfigError: other layers, or numbers that are not finite or out of range.
     """
 
     def __init__(
-        self, weights: Weights, *, ways: bool = True, about: Mapping[str, str] | None = None
+        self,
+        weights: Weights,
+        *,
+        ways: bool = True,
+        tie: float = 0.0,
+        about: Mapping[str, str] | None = None,
     ) -> None:
         self.weights = {name: np.asarray(weights[name], np.float32) for name in FORMAT.layers}
-        self.ways = ways
-        self.about = {**(about or {}), "features": FEATURES, "ways": "yes" if ways else "no"}
+        self.ways, self.tie = ways, tie
+        self.about = {**(about or {}), "features": FEATURES, "ways": "yes" if ways else "no", "tie": str(tie)}
         problem = FORMAT.why_unusable(self.weights, SIZES)
         if problem:
             raise ConfigError(f"no network for the drive loop: {problem}")
+        if not 0.0 <= tie < float("inf"):
+            raise ConfigError(f"tie must be finite and at least 0, got {tie}")
 
     def record(self) -> Row:
         """The network as the drive loop reads it, LOWER_NET."""
@@ -68,7 +77,7 @@ class FrozenLower:
         for k in (1, 2, 3):
             row[f"weight{k}"] = self.weights[f"layer{k}.weight"].T
             row[f"bias{k}"] = self.weights[f"layer{k}.bias"]
-        row["ways"] = self.ways
+        row["ways"], row["tie"] = self.ways, self.tie
         return row
 
     def numbers(self) -> NDArray[np.float32]:
@@ -76,7 +85,7 @@ class FrozenLower:
         return np.concatenate([self.weights[name].ravel() for name in FORMAT.layers])
 
     @classmethod
-    def of_numbers(cls, numbers: NDArray[np.float32], *, ways: bool) -> FrozenLower:
+    def of_numbers(cls, numbers: NDArray[np.float32], *, ways: bool, tie: float) -> FrozenLower:
         """Make a network of what `numbers` gave.
 
         Raises:
@@ -90,7 +99,7 @@ class FrozenLower:
         weights = {
             name: part.reshape(shape) for name, part, shape in zip(FORMAT.layers, parts, shapes, strict=True)
         }
-        return cls(weights, ways=ways)
+        return cls(weights, ways=ways, tie=tie)
 
     def q_values(self, states: NDArray[np.float32]) -> NDArray[np.float32]:
         """Values of all answers, valid or not: [n, Dl] -> [n, 7]."""
@@ -101,7 +110,7 @@ class FrozenLower:
     def __call__(self, states: NDArray[np.float32], masks: NDArray[np.int8]) -> NDArray[np.int64]:
         """Best valid answers [n]."""
         answers = np.zeros(len(states), np.int64)
-        _all_answers(self.q_values(states), masks, answers)
+        _all_answers(self.q_values(states), masks, self.tie, answers)
         return answers
 
     def _nets(self) -> Rows:
@@ -127,7 +136,13 @@ class FrozenLower:
                 found=f"{about.get('features')!r}, sizes {config['sizes']}",
                 expected=f"{FEATURES!r}, sizes {SIZES}: train the lower level anew",
             )
-        return cls(weights, ways=about.get("ways") == "yes", about=about)
+        tie = about.get("tie", "0.0")
+        try:
+            return cls(weights, ways=about.get("ways") == "yes", tie=float(tie), about=about)
+        except ValueError as error:
+            raise PolicyFileError(
+                Path(folder) / CONFIG_FILE, "about.tie", found=repr(tie), expected="a number of at least 0"
+            ) from error
 
 
 def fastest_way_network() -> FrozenLower:
@@ -206,6 +221,6 @@ def _all_values(states: Rows, nets: Rows, q: Rows) -> None:
 
 
 @kernel
-def _all_answers(q: Rows, masks: Rows, answers: Rows) -> None:
+def _all_answers(q: Rows, masks: Rows, tie: float, answers: Rows) -> None:
     for n in range(answers.size):
-        answers[n] = best_answer(q[n], masks[n])
+        answers[n] = best_answer(q[n], masks[n], tie)

@@ -69,10 +69,10 @@ def test_both_methods_are_trained_kept_and_drawn_and_not_trained_again(
     assert (first[0], again[0]) == (0, 0)
     assert first[2].count(": done\n") == 2
     assert again[2].splitlines() == [str(tmp_path / "results" / "fig7" / "fig7.png")]
-    for name, games in (("hrl-plain-0", {"64", "65"}), ("dqn-plain-0", {"93", "94"})):
+    for name in ("hrl-plain-0", "dqn-plain-0"):
         kept = tmp_path / "results" / "fig7" / name
         assert {path.name for path in kept.iterdir()} >= {"page.json", "page.txt", "config.json", "curve.csv"}
-        assert (kept / "curve.csv").read_text(encoding="utf-8").splitlines()[-1].split(",")[1] in games
+        assert (kept / "curve.csv").read_text(encoding="utf-8").splitlines()[-1].split(",")[1] in {"64", "65"}
 
 
 @pytest.mark.slow

@@ -54,7 +54,7 @@ def random_states(n: int = 50) -> NDArray[np.float32]:
 
 @pytest.fixture
 def lower() -> FrozenLower:
-    return FrozenLower(random_weights(), ways=False, about={"scenario": "plain"})
+    return FrozenLower(random_weights(), ways=False, tie=0.01, about={"scenario": "plain"})
 
 
 @pytest.fixture
@@ -84,7 +84,7 @@ def with_lower(policy: FrozenPolicy, lower: Any) -> FrozenPolicy:
 
 def same(one: FrozenLower, other: object) -> bool:
     assert isinstance(other, FrozenLower)
-    return one.ways == other.ways and np.array_equal(one.numbers(), other.numbers())
+    return (one.ways, one.tie) == (other.ways, other.tie) and np.array_equal(one.numbers(), other.numbers())
 
 
 def test_it_comes_back_from_its_folder(lower: FrozenLower, folder: Path) -> None:
@@ -92,23 +92,38 @@ def test_it_comes_back_from_its_folder(lower: FrozenLower, folder: Path) -> None
 
     assert same(lower, loaded)
     assert (loaded.q_values(random_states()) == lower.q_values(random_states())).all()
-    assert loaded.about == {"scenario": "plain", "features": FEATURES, "ways": "no"}
+    assert loaded.about == {"scenario": "plain", "features": FEATURES, "ways": "no", "tie": "0.01"}
     assert sorted(path.name for path in folder.iterdir()) == [CONFIG, WEIGHTS]
+
+
+@pytest.mark.parametrize(("tie", "answer"), [(0.0, 3), (0.05, 3), (0.15, 2), (0.35, 1), (9.0, 1)])
+def test_of_values_that_are_nearer_than_a_tie_the_first_valid_one_counts(tie: float, answer: int) -> None:
+    weights = {name: np.zeros_like(array) for name, array in random_weights().items()}
+    weights["layer3.bias"][:] = [2.0, 0.7, 0.9, 1.0, 0.98, 0.0, 1.0]
+    mask = np.array([[0, 1, 1, 1, 1, 1, 1]], np.int8)
+
+    assert FrozenLower(weights, tie=tie)(random_states()[:1], mask).tolist() == [answer]
+
+
+@pytest.mark.parametrize("tie", [-0.1, float("inf"), float("nan")])
+def test_a_tie_out_of_range_is_refused(tie: float) -> None:
+    with pytest.raises(ConfigError, match="tie must be finite and at least 0"):
+        FrozenLower(random_weights(), tie=tie)
 
 
 @pytest.mark.parametrize("ways", [True, False])
 def test_it_comes_back_from_one_row_of_numbers(ways: bool) -> None:
-    lower = FrozenLower(random_weights(), ways=ways)
+    lower = FrozenLower(random_weights(), ways=ways, tie=0.5)
 
     numbers = lower.numbers()
 
     assert numbers.shape == (N_NUMBERS,)
-    assert same(lower, FrozenLower.of_numbers(numbers, ways=ways))
+    assert same(lower, FrozenLower.of_numbers(numbers, ways=ways, tie=0.5))
 
 
 def test_a_row_of_numbers_of_another_length_is_refused(lower: FrozenLower) -> None:
     with pytest.raises(ConfigError, match=r"a lower level has \d+ weights, got \(\d+,\)"):
-        FrozenLower.of_numbers(lower.numbers()[:-1], ways=True)
+        FrozenLower.of_numbers(lower.numbers()[:-1], ways=True, tie=0.0)
 
 
 def test_a_value_does_not_depend_on_the_batch(lower: FrozenLower) -> None:
@@ -167,6 +182,8 @@ def rewrite(**changes: NDArray[np.float32]) -> Callable[[Path], None]:
         (change("format", "hexwar task policy"), "expected 'hexwar route policy', version 1"),
         (change("version", 2), "expected 'hexwar route policy', version 1"),
         (change("about.ways", 1), f"{CONFIG}: about: found"),
+        (change("about.tie", "much"), f"{CONFIG}: about.tie: found 'much'; expected a number of at least 0"),
+        (change("about.tie", "-1"), f"{CONFIG}: about.tie: found '-1'; expected a number of at least 0"),
         (
             rewrite(layer1_bias=np.full(64, np.nan, np.float32)),
             "layer1.bias holds numbers that are not finite",
