@@ -32,7 +32,7 @@ LOWER_DEFAULTS: dict[str, Any] = {
     "gamma": 0.9,  # of a base hop; short: with the potential each hop pays at once
     "learning_rate": 2e-3,
     "final_learning_rate": 2e-5,
-    "learning_rate_steps": 450_000,
+    "learning_rate_steps": 230_000,  # three phases of 2 million ticks
     "buffer_size": 200_000,
     "batch_size": 1024,  # large, and few updates: the camp's reward is three times as loud as a hop lost
     "train_freq": 4,
@@ -68,7 +68,8 @@ class HierarchicalQMIX(QMIX):
         lower_kwargs: arguments of `MaskedDQN` that differ from `LOWER_DEFAULTS`.
         route_kwargs: settings of the route env that differ from the task env's (alpha, beta, ways, scenario ...),
             and n_envs.
-        takeover: share of test routes that the lower level must finish to lead.
+        takeover: share of test routes that the lower level must finish to lead; a later version must not lose the
+            fastest way more often than the one that leads, or the upper level has to unlearn.
         kwargs: further arguments of `QMIX`, by keyword.
     """
 
@@ -104,6 +105,7 @@ class HierarchicalQMIX(QMIX):
         self.lower_env = lower_env
         self.upper_ticks, self.lower_ticks = 0, 0  # game ticks trained so far
         self.leads = False  # the learned lower level leads
+        self.leader_agreement = 0.0  # share of the moves on a fastest way, of the version that leads
         self.lower_counters: dict[str, int] = {}
         if _init_setup_model:
             self._setup_model()
@@ -163,13 +165,13 @@ class HierarchicalQMIX(QMIX):
         self._let_lead(self.frozen_lower())
 
     def _let_lead(self, lower: FrozenLower) -> None:
-        """Let the lower level lead if it finds its ways; else everything stays as it is."""
+        """Let the lower level lead if it finds its ways as well as the version that leads; else all stays as it is."""
         scenario = self._task_settings().scenario
         found = measure_routes(lower, scenario, TEST_ROUTES)[-1]
         self.logger.record("lower/routes_finished", found.finished)
         self.logger.record("lower/agreement", found.agreement)
-        if found.finished >= self.takeover:
-            self.leads, self.policy.lower = True, lower
+        if found.finished >= self.takeover and found.agreement >= self.leader_agreement:
+            self.leads, self.policy.lower, self.leader_agreement = True, lower, found.agreement
             self.leader = torch.from_numpy(lower.numbers())
             self.lead_envs()
 

@@ -29,12 +29,7 @@ def write_page(settings: Train, folder: RunFolder, *, minutes: float) -> None:
         folder: of the run.
         minutes: wall time of the training.
     """
-    trained = FrozenPolicy.load(folder.policy)
-    players: dict[str, object] = {"untrained": str(folder.untrained), "trained": trained}
-    if isinstance(trained.lower, FrozenLower):
-        players[LED_BY_HEURISTIC] = trained.led_by(HEURISTIC_LOWER)
-    if settings.constant_plans:
-        players |= {name: name for name in CONSTANT_PLANS}
+    players = players_of(settings, folder)
     with games_bar(
         len(players) * len(OPPONENTS) * len(settings.terms().camps) * settings.final_games
     ) as progress:
@@ -51,6 +46,17 @@ def write_page(settings: Train, folder: RunFolder, *, minutes: float) -> None:
         print_json({**figures, "run": str(folder.path)})
     else:
         print(text)
+
+
+def players_of(settings: Train, folder: RunFolder) -> dict[str, object]:
+    """Say who plays for the page, by the name of the row."""
+    trained = FrozenPolicy.load(folder.policy)
+    players: dict[str, object] = {"untrained": str(folder.untrained), "trained": trained}
+    if isinstance(trained.lower, FrozenLower):
+        players[LED_BY_HEURISTIC] = trained.led_by(HEURISTIC_LOWER)
+    if settings.constant_plans:
+        players |= {name: name for name in CONSTANT_PLANS}
+    return players
 
 
 def _origin(settings: Train, folder: RunFolder) -> dict[str, object]:

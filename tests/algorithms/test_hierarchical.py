@@ -13,6 +13,7 @@ import torch
 from stable_baselines3.common.callbacks import BaseCallback
 from stable_baselines3.common.vec_env import VecEnv
 
+from hexwar_sb3.algorithms import hierarchical
 from hexwar_sb3.algorithms.checkpoint import load_checkpoint, save_checkpoint
 from hexwar_sb3.algorithms.hierarchical import HierarchicalQMIX
 from hexwar_sb3.algorithms.qmix import QMIX
@@ -20,6 +21,7 @@ from hexwar_sb3.envs.registration import make_vec_env
 from hexwar_sb3.errors import CheckpointError, ConfigError
 from hexwar_sb3.play.lower_policy import HEURISTIC_LOWER, FrozenLower
 from hexwar_sb3.play.match import play_games
+from hexwar_sb3.play.routes import RouteResult
 
 STEPS = 384  # env steps of the upper level: 16 games of 24 decisions
 UPPER: dict[str, Any] = {"seed": 1, "learning_starts": 48, "buffer_size": 400, "batch_size": 16}
@@ -147,6 +149,25 @@ def test_the_heuristic_leads_until_the_lower_level_finds_its_ways() -> None:
     assert trained.policy.lower == HEURISTIC_LOWER
     assert trained.env is not None
     assert trained.env.get_attr("games")[0].lower == HEURISTIC_LOWER
+
+
+@pytest.mark.parametrize(
+    ("agreements", "leads"), [((0.5, 0.4, 0.6), 2), ((0.5, 0.6, 0.599), 1), ((0.5, 0.4, 0.4), 0)]
+)
+def test_a_version_leads_until_one_is_as_good(
+    monkeypatch: pytest.MonkeyPatch, agreements: tuple[float, ...], leads: int
+) -> None:
+    versions: list[FrozenLower] = []
+
+    def measured(lower: FrozenLower, *_: object) -> list[RouteResult]:
+        versions.append(lower)
+        return [RouteResult("all", 50, 1.0, agreements[len(versions) - 1], 1.0)]
+
+    monkeypatch.setattr(hierarchical, "measure_routes", measured)
+    trained = model().learn(STEPS)
+
+    assert len(versions) == len(agreements)
+    assert trained.policy.lower is versions[leads]
 
 
 def test_without_lower_phases_it_is_qmix() -> None:

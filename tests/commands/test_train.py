@@ -9,6 +9,7 @@ import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
+from typing import cast
 
 import pytest
 from safetensors.numpy import load_file
@@ -16,9 +17,17 @@ from safetensors.numpy import load_file
 from hexwar_sb3.algorithms.checkpoint import save_checkpoint
 from hexwar_sb3.algorithms.hierarchical import HierarchicalQMIX
 from hexwar_sb3.algorithms.qmix import QMIX
+from hexwar_sb3.commands.page import players_of
+from hexwar_sb3.commands.run_folder import RunFolder
+from hexwar_sb3.commands.train import Train
 from hexwar_sb3.evaluation.history import History
+from hexwar_sb3.evaluation.panel import CONSTANT_PLANS
+from hexwar_sb3.play.frozen import FrozenPolicy
+from hexwar_sb3.play.lower_policy import fastest_way_network
 
 Command = Callable[..., tuple[int, str, str]]
+
+TRAINED = Path(__file__).parents[2] / "results" / "train_plain" / "policy"
 
 SMALL = (
     *("--n-envs", "4", "--opponents", "MA1", "--eval-freq", "200", "--eval-games", "1", "--save-freq", "100"),
@@ -68,6 +77,19 @@ def test_a_training_leaves_a_whole_run_folder(hexwar: Command, tmp_path: Path) -
         (o, c) for o in ("MA1", "MA2") for c in ("red", "blue")
     }
     assert load_file(run / "policy" / "weights.safetensors")
+
+
+def test_a_policy_with_a_learned_lower_level_stands_beside_itself_over_the_heuristic(tmp_path: Path) -> None:
+    folder = RunFolder(tmp_path)
+    for lower, rows in (("heuristic", 0), (fastest_way_network(), 1)):
+        FrozenPolicy.load(TRAINED).led_by(lower).save(folder.policy)
+
+        players = players_of(Train(constant_plans=False), folder)
+
+        others = players.keys() - {"untrained", "trained"}
+        assert len(others) == rows
+        assert all(cast("FrozenPolicy", players[name]).lower == "heuristic" for name in others)
+    assert {*players_of(Train(), folder)} == {*players, *CONSTANT_PLANS}
 
 
 def test_a_resumed_training_ends_with_the_weights_of_an_unbroken_one(
