@@ -88,19 +88,23 @@ class MaskedDQNPolicy(DQNPolicy):
         return MaskedQNetwork(**options).to(self.device)
 
 
-def freeze_lower(policy: MaskedDQNPolicy, *, ways: bool, tie: float = 0.0, **about: str) -> FrozenLower:
+def freeze_lower(
+    policy: MaskedDQNPolicy, *, ways: bool, tie: float = 0.0, network: QNetwork | None = None, **about: str
+) -> FrozenLower:
     """Copy the network of a DQN that learned in the route env into one for the drive loop, without torch.
 
     Args:
         policy: with the default layers, 64 and 64.
         ways: the env's setting.
         tie: of `FrozenLower`.
+        network: of the policy's two, the target or the online one; None takes the online one.
         about: what it was trained on.
 
     Raises:
         ConfigError: it has other layers.
     """
-    layers = [layer for layer in policy.q_net.q_net if isinstance(layer, nn.Linear)]
+    chosen = policy.q_net if network is None else network
+    layers = [layer for layer in chosen.q_net if isinstance(layer, nn.Linear)]
     if len(layers) != 3:
         raise ConfigError(f"a lower level has two hidden layers, got {len(layers) - 1}")
     weights = {

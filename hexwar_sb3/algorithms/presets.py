@@ -16,7 +16,7 @@ class Preset:
     lower: str = "learned"  # who leads the pieces; or "heuristic", or a folder
     phase_ticks: tuple[int, int] = (
         4_500_000,
-        2_000_000,
+        2_500_000,
     )  # game ticks of the upper, of the lower level in turn
     demo_share: float = 0.25  # of the first games: a bot plays the learner's seat, and the learner watches
     demo_games: int = 500

@@ -44,7 +44,7 @@ class RouteSettings:
     )
     alpha: float = 0.01  # weight of the camp's reward; >= 0 (IV)
     gain_limit: float = (
-        10.0  # points: r_Sigma of a step is cut off here, or the fall of a point drowns ten hops
+        3.0  # points: r_Sigma of a step is cut off here, or the fall of a point drowns ten hops
     )
     beta: float = 0.05  # cost of a step; in [0, 1) (IV)
     beta_per: str = (

@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -22,6 +22,9 @@ from hexwar_sb3.errors import CheckpointError, ConfigError
 from hexwar_sb3.play.lower_policy import HEURISTIC_LOWER, FrozenLower
 from hexwar_sb3.play.match import play_games
 from hexwar_sb3.play.routes import RouteResult
+from hexwar_sb3.policies.masked import MaskedDQNPolicy
+from hexwar_sb3.tasks.features import ROUTE_WIDTH
+from hexwar_sb3.tasks.route import N_ANSWERS
 
 STEPS = 384  # env steps of the upper level: 16 games of 24 decisions
 UPPER: dict[str, Any] = {"seed": 1, "learning_starts": 48, "buffer_size": 400, "batch_size": 16}
@@ -109,6 +112,19 @@ def test_resumed_in_any_phase_is_unbroken(unbroken: tuple[HierarchicalQMIX, Watc
 
     assert sha256(resumed) == sha256(trained)
     assert resumed.lower_ticks == trained.lower_ticks
+
+
+def test_the_target_network_leads(unbroken: tuple[HierarchicalQMIX, Watch]) -> None:
+    policy = cast("MaskedDQNPolicy", unbroken[0].lower.policy)
+    states = np.random.default_rng(0).normal(size=(20, ROUTE_WIDTH)).astype(np.float32)
+    obs = {"obs": torch.tensor(states), "action_mask": torch.ones(20, N_ANSWERS, dtype=torch.int8)}
+    with torch.no_grad():
+        target, online = policy.q_net_target(obs).numpy(), policy.q_net(obs).numpy()
+
+    values = unbroken[0].frozen_lower().q_values(states)
+
+    np.testing.assert_allclose(values, target, atol=1e-5)
+    assert np.abs(target - online).max() > 1e-3
 
 
 def test_one_zip_holds_both_levels(unbroken: tuple[HierarchicalQMIX, Watch], tmp_path: Path) -> None:
