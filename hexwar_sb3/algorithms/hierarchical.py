@@ -44,7 +44,7 @@ LOWER_DEFAULTS: dict[str, Any] = {
 }
 """Arguments of `MaskedDQN` for the route env that differ from its own defaults."""
 
-TIE = 0.2  # of beta: values of answers that are nearer to each other count as equal
+TIE = 0.4  # of beta: values of answers that are nearer to each other count as equal
 TEST_ROUTES = 50  # of each piece, to see whether the lower level may lead
 SHARED_SETTINGS = ("side", "opponent", "decision_ticks", "reward", "scenario")
 _COUNTERS = ("num_timesteps", "_n_calls", "_n_updates", "_episode_num")
@@ -68,8 +68,8 @@ class HierarchicalQMIX(QMIX):
         lower_kwargs: arguments of `MaskedDQN` that differ from `LOWER_DEFAULTS`.
         route_kwargs: settings of the route env that differ from the task env's (alpha, beta, ways, scenario ...),
             and n_envs.
-        takeover: share of test routes that the lower level must finish to lead; a later version must not lose the
-            fastest way more often than the one that leads, or the upper level has to unlearn.
+        takeover: share of test routes that the lower level must finish to lead; a later version must keep to the
+            fastest ways more often than the one that leads: every change costs the upper level something.
         kwargs: further arguments of `QMIX`, by keyword.
     """
 
@@ -133,7 +133,7 @@ class HierarchicalQMIX(QMIX):
 
     @property
     def tie(self) -> float:
-        """Values of two answers that differ by less than a part of a base hop's cost are equal."""
+        """Values of two answers that differ by no more are equal: `TIE` of what a base hop costs."""
         return TIE * float(self.route_kwargs.get("beta", RouteSettings.beta))
 
     @property
@@ -165,12 +165,12 @@ class HierarchicalQMIX(QMIX):
         self._let_lead(self.frozen_lower())
 
     def _let_lead(self, lower: FrozenLower) -> None:
-        """Let the lower level lead if it finds its ways as well as the version that leads; else all stays as it is."""
+        """Let the lower level lead if it finds its ways, and better than the version that leads; else all stays as it is."""
         scenario = self._task_settings().scenario
         found = measure_routes(lower, scenario, TEST_ROUTES)[-1]
         self.logger.record("lower/routes_finished", found.finished)
         self.logger.record("lower/agreement", found.agreement)
-        if found.finished >= self.takeover and found.agreement >= self.leader_agreement:
+        if found.finished >= self.takeover and found.agreement > self.leader_agreement:
             self.leads, self.policy.lower, self.leader_agreement = True, lower, found.agreement
             self.leader = torch.from_numpy(lower.numbers())
             self.lead_envs()

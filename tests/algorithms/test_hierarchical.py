@@ -168,9 +168,9 @@ def test_the_heuristic_leads_until_the_lower_level_finds_its_ways() -> None:
 
 
 @pytest.mark.parametrize(
-    ("agreements", "leads"), [((0.5, 0.4, 0.6), 2), ((0.5, 0.6, 0.599), 1), ((0.5, 0.4, 0.4), 0)]
+    ("agreements", "leads"), [((0.5, 0.4, 0.6), 2), ((0.5, 0.6, 0.6), 1), ((0.5, 0.4, 0.4), 0)]
 )
-def test_a_version_leads_until_one_is_as_good(
+def test_a_version_leads_until_one_is_better(
     monkeypatch: pytest.MonkeyPatch, agreements: tuple[float, ...], leads: int
 ) -> None:
     versions: list[FrozenLower] = []
