@@ -90,7 +90,7 @@ class HierarchicalQMIX(QMIX):
         phase_ticks: tuple[int, int] = (3_000_000, 2_500_000),
         lower_kwargs: dict[str, Any] | None = None,
         route_kwargs: dict[str, Any] | None = None,
-        takeover: float = 0.995,
+        takeover: float = 0.97,
         _init_setup_model: bool = True,
         **kwargs: Any,
     ) -> None:

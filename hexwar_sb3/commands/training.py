@@ -52,6 +52,7 @@ def train(settings: Train, model: QMIX, folder: RunFolder) -> int:
         )
         return INTERRUPTED
     model.save(folder.model)
+    del model.replay_buffer  # 0.7 GB that the games of the page can have
     opponent = settings.opponents[0]
     write_games(folder.policy, opponent, settings.terms(), folder.replays, f"against_{Path(opponent).name}")
     write_page(settings, folder, minutes=(monotonic() - start) / 60)

@@ -20,14 +20,13 @@ from hexwar_sb3.algorithms.qmix import QMIX
 from hexwar_sb3.commands.page import players_of
 from hexwar_sb3.commands.run_folder import RunFolder
 from hexwar_sb3.commands.train import Train
+from hexwar_sb3.envs.registration import make_vec_env
 from hexwar_sb3.evaluation.history import History
 from hexwar_sb3.evaluation.panel import CONSTANT_PLANS
 from hexwar_sb3.play.frozen import FrozenPolicy
 from hexwar_sb3.play.lower_policy import fastest_way_network
 
 Command = Callable[..., tuple[int, str, str]]
-
-TRAINED = Path(__file__).parents[2] / "results" / "train_plain" / "policy"
 
 SMALL = (
     *("--n-envs", "4", "--opponents", "MA1", "--eval-freq", "200", "--eval-games", "1", "--save-freq", "100"),
@@ -81,8 +80,9 @@ def test_a_training_leaves_a_whole_run_folder(hexwar: Command, tmp_path: Path) -
 
 def test_a_policy_with_a_learned_lower_level_stands_beside_itself_over_the_heuristic(tmp_path: Path) -> None:
     folder = RunFolder(tmp_path)
+    policy = QMIX("TaskPolicy", make_vec_env(), buffer_size=10).policy.freeze()
     for lower, rows in (("heuristic", 0), (fastest_way_network(), 1)):
-        FrozenPolicy.load(TRAINED).led_by(lower).save(folder.policy)
+        policy.led_by(lower).save(folder.policy)
 
         players = players_of(Train(constant_plans=False), folder)
 
