@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 import tyro
 
+from hexwar_sb3.algorithms.presets import PRESETS
 from hexwar_sb3.cli import parse
 from hexwar_sb3.commands.baseline import Baseline
 from hexwar_sb3.commands.flat_dqn import FlatDqn
@@ -88,9 +89,11 @@ def test_every_baseline_is_a_command_of_its_module(row: str) -> None:
 
 def test_the_baseline_of_the_figure_has_as_many_ticks_as_both_levels_together() -> None:
     """Of 18 million ticks of the upper level, the lower one's phases come after 4.5, 9 and 13.5 million."""
+    upper, lower = PRESETS["default"].phase_ticks
     _, baseline = fig7.pair("plain", 0, Budget(games=10_000))
 
-    assert settings_of_baseline(baseline).games == math.ceil(10_000 + 3 * 2_000_000 / 1_800)
+    assert upper == 4_500_000
+    assert settings_of_baseline(baseline).games == math.ceil(10_000 + 3 * lower / 1_800)
 
 
 @pytest.mark.parametrize("row", ablation.BASELINES)
