@@ -33,7 +33,7 @@ class Experiments:
     seeds: tuple[int, ...] = (0, 1, 2)  # of every row; the other maps of fig7 have the first
     games: int | None = None  # of a run; else 10,000 for fig7, 5,000 for the ablation
     eval_games: int = 64  # an opponent and colour, at each of the ten points of a curve
-    final_games: int = 2000  # an opponent and colour, on the page of a run
+    final_games: int | None = None  # an opponent and colour, on the page of a run; else 2,000 and 700
     jobs: int = 1  # runs side by side
     results: Path = Path("results")  # small files that are kept: RESULTS/EXPERIMENT/RUN/
     work: Path = Path("runs/experiments")  # run folders
@@ -81,10 +81,12 @@ class Experiments:
         for seed in self.seeds:
             seed_for(Purpose.REPORT, seed)
         module = {"fig7": fig7, "ablation": ablation}[self.name]
-        games = module.GAMES if self.games is None else self.games
-        return module.runs(
-            Budget(games=games, eval_games=self.eval_games, final_games=self.final_games), self.seeds
+        budget = Budget(
+            games=module.GAMES if self.games is None else self.games,
+            eval_games=self.eval_games,
+            final_games=module.FINAL_GAMES if self.final_games is None else self.final_games,
         )
+        return module.runs(budget, self.seeds)
 
     def _print_states(self, states: Mapping[Run, State], places: Places) -> None:
         if self.json:

@@ -16,6 +16,7 @@ from hexwar_sb3.play.records import DECISION_TICKS
 
 NAME, BASE = "ablation", "base"
 GAMES = 5_000  # fewer than a whole training has: what slows learning shows, and so do more seeds
+FINAL_GAMES = 700  # three seeds have 2,100 a cell
 OPPONENTS = ("MA1", "MA2")
 QUANTITIES = ("win_rate", "mean_margin", "points_held")
 HEADS = ("row", "against", "seeds", "win rate, %", "mean margin", "points held", "margin minus base")

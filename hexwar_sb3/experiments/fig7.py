@@ -20,7 +20,7 @@ from hexwar_sb3.files import replacing
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-NAME, GAMES = "fig7", 10_000
+NAME, GAMES, FINAL_GAMES = "fig7", 10_000, 2_000
 SCENARIOS = ("plain", "hills", "paddy")  # the first with all seeds, the others with the first seed
 OPPONENTS = ("MA1", "MA2")
 METHODS = {"hrl": "HRL", "dqn": "DQN"}
