@@ -44,7 +44,6 @@ LOWER_DEFAULTS: dict[str, Any] = {
 }
 """Arguments of `MaskedDQN` for the route env that differ from its own defaults."""
 
-TIE = 0.4  # of beta: values of answers that are nearer to each other count as equal
 TEST_ROUTES = 50  # of each piece, to see whether the lower level may lead
 SHARED_SETTINGS = ("side", "opponent", "decision_ticks", "reward", "scenario")
 _COUNTERS = ("num_timesteps", "_n_calls", "_n_updates", "_episode_num")
@@ -70,6 +69,8 @@ class HierarchicalQMIX(QMIX):
             and n_envs.
         takeover: share of test routes that the lower level must finish to lead; a later version must keep to the
             fastest ways more often than the one that leads: every change costs the upper level something.
+        tie: values of two answers of the lower level that differ by at most this share of beta, the cost of a base
+            hop, are equal: the first answer is taken (assumption A34). 0 takes the best by however little.
         kwargs: further arguments of `QMIX`, by keyword.
     """
 
@@ -91,6 +92,7 @@ class HierarchicalQMIX(QMIX):
         lower_kwargs: dict[str, Any] | None = None,
         route_kwargs: dict[str, Any] | None = None,
         takeover: float = 0.97,
+        tie: float = 0.4,
         _init_setup_model: bool = True,
         **kwargs: Any,
     ) -> None:
@@ -99,7 +101,9 @@ class HierarchicalQMIX(QMIX):
             raise ConfigError(f"phase_ticks must be at least (1, 0), got {phase_ticks}")
         if not 0.0 <= takeover <= 1.0:
             raise ConfigError(f"takeover must be in [0, 1], got {takeover}")
-        self.phase_ticks, self.takeover = tuple(phase_ticks), takeover
+        if not 0.0 <= tie < float("inf"):
+            raise ConfigError(f"tie must be finite and at least 0, got {tie}")
+        self.phase_ticks, self.takeover, self.tie = tuple(phase_ticks), takeover, tie
         self.lower_kwargs, self.route_kwargs = dict(lower_kwargs or {}), dict(route_kwargs or {})
         route_settings({name: value for name, value in self.route_kwargs.items() if name != "n_envs"})
         self.lower_env = lower_env
@@ -124,7 +128,7 @@ class HierarchicalQMIX(QMIX):
     def frozen_lower(self) -> FrozenLower:
         """Copy the learned lower level as it is now: the target network, a mean over the last updates."""
         policy = cast("MaskedDQNPolicy", self.lower.policy)
-        return freeze_lower(policy, ways=self.ways, tie=self.tie, network=policy.q_net_target)
+        return freeze_lower(policy, ways=self.ways, tie=self.lower_tie, network=policy.q_net_target)
 
     @property
     def ways(self) -> bool:
@@ -132,9 +136,9 @@ class HierarchicalQMIX(QMIX):
         return bool(self.route_kwargs.get("ways", True))
 
     @property
-    def tie(self) -> float:
-        """Values of two answers that differ by no more are equal: `TIE` of what a base hop costs."""
-        return TIE * float(self.route_kwargs.get("beta", RouteSettings.beta))
+    def lower_tie(self) -> float:
+        """Values of two answers that differ by no more are equal, in the units of r_L."""
+        return self.tie * float(self.route_kwargs.get("beta", RouteSettings.beta))
 
     @property
     def lower_is_due(self) -> bool:
@@ -231,7 +235,7 @@ class HierarchicalQMIX(QMIX):
         model = super().load(*args, **kwargs)
         if model.leads:
             numbers = model.leader.numpy().copy()
-            model.policy.lower = FrozenLower.of_numbers(numbers, ways=model.ways, tie=model.tie)
+            model.policy.lower = FrozenLower.of_numbers(numbers, ways=model.ways, tie=model.lower_tie)
             model.lead_envs()
         return model
 

@@ -18,6 +18,7 @@ class Preset:
         4_500_000,
         2_500_000,
     )  # game ticks of the upper, of the lower level in turn
+    tie: float = 0.4  # of beta: values of two answers of the lower level that are nearer count as equal
     demo_share: float = 0.25  # of the first games: a bot plays the learner's seat, and the learner watches
     demo_games: int = 500
     warm_start: float = 0.0  # share of the games at first; it falls to 0 by half of the training (III-C)
@@ -37,15 +38,16 @@ PRESETS = {
         learner={
             "learning_rate": 1e-3,
             "final_learning_rate": 5e-5,
-            "exploration_final_eps": 0.005,  # seven pieces, each at it for five decisions: 0.02 costs a tenth of the wins
+            "exploration_final_eps": 0.005,  # of seven pieces, each for five decisions on average
         },
     ),
     # Section IV to the letter: 16 games at a time, learning rate 0.1, a = 0.1, epsilon 0.5 minus 0.01 every 100
     # episodes down to 0.05, eq. (3) of eq. (1) without discount (eq. (4)), alpha 0.01 and beta 0.05 for every hop, the
     # six neighbours as the state of the lower level, warm start from G^B. No n-step returns, no sticky
-    # exploration, no demonstrations. With Adam such a learning rate learns nothing.
+    # exploration, no demonstrations, no ties. With Adam such a learning rate learns nothing.
     "paper": Preset(
         n_envs=16,
+        tie=0.0,
         demo_share=0.0,
         warm_start=1.0,
         env={"reward": "paper"},

@@ -83,9 +83,8 @@ class Train:
 
     lower: str | None = None  # who leads the pieces: "learned", "heuristic", or the folder of a policy
     phase_ticks: tuple[int, int] | None = None  # game ticks of the upper, of the lower level, in turn
-    lower_scenarios: tuple[
-        str, ...
-    ] = ()  # maps of the lower level; else the scenario and those of LOWER_SCENARIOS
+    lower_scenarios: tuple[str, ...] = ()  # its maps; else the scenario, the built-in ones and more hills
+    tie: float | None = None  # share of beta: values of its answers that are nearer count as equal
     alpha: float | None = None  # weight of the camp's reward in r_L, eq. (5)
     beta: float | None = None  # cost of a step in r_L, eq. (5)
     beta_per: Literal["base_hop", "hop"] | None = (

@@ -120,6 +120,7 @@ def new_model(settings: Train, env: VecEnv) -> HierarchicalQMIX:
     levels: dict[str, Any] = {
         "phase_ticks": phases if settings.value("lower") == LEARNED else (phases[0], 0),
         "route_kwargs": settings.route,
+        "tie": settings.value("tie"),
         "lower_kwargs": {} if settings.lower_gamma is None else {"gamma": settings.lower_gamma},
     }
     if settings.trained_agent is None:

@@ -88,7 +88,7 @@ def main() -> None:
     rows = report(options.policy, options.routes)
     sys.stdout.write(text(rows))
     if options.output is not None:
-        figures = {"routes": options.routes, **provenance("plain"), "rows": rows}
+        figures = {"policy": options.policy, "routes": options.routes, **provenance("plain"), "rows": rows}
         for name, content in (
             ("routes.json", json.dumps(figures, indent=2) + "\n"),
             ("routes.txt", text(rows)),

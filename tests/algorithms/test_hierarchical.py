@@ -16,6 +16,7 @@ from stable_baselines3.common.vec_env import VecEnv
 from hexwar_sb3.algorithms import hierarchical
 from hexwar_sb3.algorithms.checkpoint import load_checkpoint, save_checkpoint
 from hexwar_sb3.algorithms.hierarchical import HierarchicalQMIX
+from hexwar_sb3.algorithms.presets import PRESETS
 from hexwar_sb3.algorithms.qmix import QMIX
 from hexwar_sb3.envs.registration import make_vec_env
 from hexwar_sb3.errors import CheckpointError, ConfigError
@@ -186,6 +187,14 @@ def test_a_version_leads_until_one_is_better(
     assert trained.policy.lower is versions[leads]
 
 
+def test_a_tie_is_a_share_of_what_a_base_hop_costs() -> None:
+    route = {**LEVELS["route_kwargs"], "beta": 0.2}
+
+    assert model(tie=0.5, route_kwargs=route).frozen_lower().tie == pytest.approx(0.1)
+    assert model(tie=0.0).frozen_lower().tie == 0.0
+    assert PRESETS["paper"].tie == 0.0
+
+
 def test_without_lower_phases_it_is_qmix() -> None:
     both = model(phase_ticks=(1, 0))
     both.learn(STEPS // 2)
@@ -200,6 +209,7 @@ def test_without_lower_phases_it_is_qmix() -> None:
     ("options", "message"),
     [
         ({"phase_ticks": (0, 1)}, r"phase_ticks must be at least \(1, 0\), got \(0, 1\)"),
+        ({"tie": -1.0}, r"tie must be finite and at least 0, got -1.0"),
         ({"takeover": 1.5}, r"takeover must be in \[0, 1\], got 1.5"),
         ({"lower_kwargs": {"gamma": 1.5}}, r"gamma must be in \[0, 1\], got 1.5"),
         ({"route_kwargs": {"alpha": -1.0}}, "alpha must be finite and at least 0"),
