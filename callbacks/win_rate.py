@@ -47,6 +47,10 @@ class WinRateCallback(EverySteps):
         else:
             self.history = History.load(self.folder / "evaluations.npz", until=self.now())
 
+    def ticks(self) -> int:
+        """Game ticks of all levels so far; 0 for a model that does not count them."""
+        return int(getattr(self.model, "game_ticks", 0))
+
     def player(self) -> Any:
         """What plays for the model as it is now."""
         return cast("QMIX", self.model).policy.freeze(**self.about)
@@ -61,7 +65,7 @@ class WinRateCallback(EverySteps):
         best = max((result.mean_margin.value for result in self.history.results), default=float("-inf"))
         player, now = self.player(), self.now()
         panel = play_panel(player, self.opponents, self.terms, name="trained")
-        result = self.history.add(now, panel)
+        result = self.history.add(now, self.ticks(), panel)
         self.logger.record("eval/win_rate", result.win_rate.value)
         self.logger.record("eval/mean_margin", result.mean_margin.value)
         self.logger.record("eval/points_held", float(result.points_held.mean()))

@@ -101,8 +101,10 @@ def freeze_lower(
         about: what it was trained on.
 
     Raises:
-        ConfigError: it has other layers.
+        ConfigError: it has other layers, or other functions between them.
     """
+    if policy.activation_fn is not nn.ReLU:
+        raise ConfigError(f"a lower level has ReLU between its layers, got {policy.activation_fn.__name__}")
     chosen = policy.q_net if network is None else network
     layers = [layer for layer in chosen.q_net if isinstance(layer, nn.Linear)]
     if len(layers) != 3:

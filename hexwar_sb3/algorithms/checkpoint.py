@@ -82,6 +82,7 @@ def _go_on(
     if games:
         restore_env(env, games)
         model._last_obs = part("last_obs", arrays)  # noqa: SLF001
+        model.game_log.starting[:] = False  # what they were expected to bring at their start is not known
     model.restore(part("more", arrays))
     torch.set_rng_state(torch.from_numpy(arrays["torch_random"]))
     _set_random_states(model, json.loads(str(arrays["random"])))

@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from typing import Any, ClassVar, Self, cast
 
 import numpy as np
-import torch
 from numpy.typing import NDArray
 from stable_baselines3.common.callbacks import BaseCallback
 from stable_baselines3.common.logger import Logger
@@ -18,21 +17,22 @@ from hexwar_sb3.algorithms.masked_dqn import MaskedDQN
 from hexwar_sb3.algorithms.model_file import File
 from hexwar_sb3.algorithms.parts import env_snapshot, part, restore_env, under
 from hexwar_sb3.algorithms.qmix import QMIX
+from hexwar_sb3.checks import check_whole
 from hexwar_sb3.envs.registration import ROUTE_ENV, make_vec_env
 from hexwar_sb3.envs.route_settings import RouteSettings, route_settings
 from hexwar_sb3.envs.route_vec_env import route_spaces
 from hexwar_sb3.envs.settings import TaskSettings
 from hexwar_sb3.errors import ConfigError
-from hexwar_sb3.play.lower_policy import HEURISTIC_LOWER, N_NUMBERS, FrozenLower
+from hexwar_sb3.play.lower_policy import HEURISTIC_LOWER, FrozenLower
 from hexwar_sb3.play.routes import measure_routes
 from hexwar_sb3.policies.masked import MaskedDQNPolicy, freeze_lower
 from hexwar_sb3.policies.task_policy import TaskPolicy
 
 LOWER_DEFAULTS: dict[str, Any] = {
-    "gamma": 0.9,  # of a base hop; short: with the potential each hop pays at once
+    "gamma": 0.9,  # of a base hop; short: with the potential each hop pays at once (without it: PLAIN_GAMMA)
     "learning_rate": 2e-3,
     "final_learning_rate": 2e-5,
-    "learning_rate_steps": 290_000,  # three phases of 2.5 million ticks
+    "learning_rate_steps": 240_000,  # three phases of 2.5 million ticks
     "buffer_size": 200_000,
     "batch_size": 1024,  # large, and few updates: the camp's reward is louder than a hop lost
     "train_freq": 4,
@@ -44,8 +44,13 @@ LOWER_DEFAULTS: dict[str, Any] = {
 }
 """Arguments of `MaskedDQN` for the route env that differ from its own defaults."""
 
+PLAIN_GAMMA = 0.98  # where the reward has no potential, a far goal must be worth something from the start
+LOWER_ENVS = 48  # games of the route env side by side
 TEST_ROUTES = 50  # of each piece, to see whether the lower level may lead
-SHARED_SETTINGS = ("side", "opponent", "decision_ticks", "reward", "scenario")
+SHARED_SETTINGS = (
+    *("scenario", "side", "opponent", "reward"),
+    *("decision_ticks", "decisions", "spots", "fog"),
+)
 _COUNTERS = ("num_timesteps", "_n_calls", "_n_updates", "_episode_num")
 
 
@@ -61,7 +66,7 @@ class HierarchicalQMIX(QMIX):
         policy: "HierarchicalPolicy".
         env: the task env, native or single.
         args: further arguments of `QMIX`.
-        lower_env: a route env; None makes one from the task env's own settings.
+        lower_env: a route env; None makes one from the task env's own settings. Its `ways` and `beta` count.
         phase_ticks: game ticks of the upper level between two phases of the lower level, and of such a phase, of
             all games together; a game has 1,800. 0 for the second trains the upper level alone.
         lower_kwargs: arguments of `MaskedDQN` that differ from `LOWER_DEFAULTS`.
@@ -81,6 +86,7 @@ class HierarchicalQMIX(QMIX):
     made_again: ClassVar[tuple[str, ...]] = (*QMIX.made_again, "lower", "lower_env")
 
     lower: MaskedDQN
+    leader: dict[str, list[Any]]  # weights of the version of the lower level that leads; empty: none does
 
     def __init__(
         self,
@@ -105,10 +111,13 @@ class HierarchicalQMIX(QMIX):
             raise ConfigError(f"tie must be finite and at least 0, got {tie}")
         self.phase_ticks, self.takeover, self.tie = tuple(phase_ticks), takeover, tie
         self.lower_kwargs, self.route_kwargs = dict(lower_kwargs or {}), dict(route_kwargs or {})
-        route_settings({name: value for name, value in self.route_kwargs.items() if name != "n_envs"})
         self.lower_env = lower_env
+        if lower_env is not None:
+            given = lower_env.get_attr("settings")[0]
+            self.route_kwargs |= {name: getattr(given, name) for name in ("ways", "beta")}
+        self._check_route()
         self.upper_ticks, self.lower_ticks = 0, 0  # game ticks trained so far
-        self.leads = False  # the learned lower level leads
+        self.leader = {}
         self.leader_agreement = 0.0  # share of the moves on a fastest way, of the version that leads
         self.lower_counters: dict[str, int] = {}
         if _init_setup_model:
@@ -117,13 +126,31 @@ class HierarchicalQMIX(QMIX):
     def _setup_model(self) -> None:
         """Build both levels; the lower one needs no env yet."""
         super()._setup_model()
-        options = {**LOWER_DEFAULTS, **self.lower_kwargs}
+        gamma = {} if self._check_route().is_shaped else {"gamma": PLAIN_GAMMA}
+        options = {**LOWER_DEFAULTS, **gamma, **self.lower_kwargs}
         self.lower = MaskedDQN.for_spaces(*route_spaces(), seed=self.seed, device=self.device, **options)
-        self.leader = torch.zeros(N_NUMBERS)  # weights of the version that leads
+        self.frozen_lower()  # other layers than the drive loop's show here, not after the first phase
         self.lower.set_logger(Logger(folder=None, output_formats=[]))
         vars(self.lower).update(self.lower_counters)
         if self.lower_env is not None:
             self.lower.set_env(self.lower_env)
+
+    def _check_route(self) -> RouteSettings:
+        """Settings of the route env, as far as they differ from the task env's.
+
+        Raises:
+            ConfigError: one is out of its range, or there are fewer games than scenarios.
+        """
+        options = {"n_envs": LOWER_ENVS, **self.route_kwargs}
+        n_envs = options.pop("n_envs")
+        settings = route_settings(options)
+        check_whole("n_envs of the route env", n_envs, least=len(settings.fields))
+        return settings
+
+    @property
+    def leads(self) -> bool:
+        """Whether the learned lower level leads the pieces."""
+        return bool(self.leader)
 
     def frozen_lower(self) -> FrozenLower:
         """Copy the learned lower level as it is now: the target network, a mean over the last updates."""
@@ -175,9 +202,19 @@ class HierarchicalQMIX(QMIX):
         self.logger.record("lower/routes_finished", found.finished)
         self.logger.record("lower/agreement", found.agreement)
         if found.finished >= self.takeover and found.agreement > self.leader_agreement:
-            self.leads, self.policy.lower, self.leader_agreement = True, lower, found.agreement
-            self.leader = torch.from_numpy(lower.numbers())
+            self.leader = {name: weights.tolist() for name, weights in lower.weights.items()}
+            self.policy.lower, self.leader_agreement = lower, found.agreement
             self.lead_envs()
+
+    def follow_lower(self) -> None:
+        """Keep the version that leads; else as the env's pieces are led."""
+        if not self.leads:
+            super().follow_lower()
+
+    def set_env(self, env: GymEnv, force_reset: bool = True) -> None:
+        """Go on in another env of the same sizes; the version that leads, leads there."""
+        super().set_env(env, force_reset)
+        self.lead_envs()
 
     def lead_envs(self) -> None:
         """Let the learned lower level lead in both envs, if its time has come."""
@@ -197,7 +234,7 @@ class HierarchicalQMIX(QMIX):
     def _route_env(self) -> VecEnv:
         """The env of the lower level; made when it is first needed."""
         if self.lower.env is None:
-            options = {"n_envs": 48, **self._shared_settings(), **self.route_kwargs}
+            options = {"n_envs": LOWER_ENVS, **self._shared_settings(), **self.route_kwargs}
             lower = self.policy.lower if isinstance(self.policy.lower, FrozenLower) else HEURISTIC_LOWER
             self.lower_env = make_vec_env(ROUTE_ENV, seed=self.seed or 0, lower=lower, **options)
             self.lower.set_env(self.lower_env)
@@ -224,6 +261,11 @@ class HierarchicalQMIX(QMIX):
         """Env steps of both levels together."""
         return int(self.num_timesteps + self.lower.num_timesteps)
 
+    @property
+    def game_ticks(self) -> int:
+        """Ticks of game time that both levels together have played."""
+        return self.upper_ticks + self.lower_ticks
+
     def save(self, path: File, *args: Any, **kwargs: Any) -> None:
         """Write one model zip for both levels."""
         self.lower_counters = {name: int(getattr(self.lower, name)) for name in _COUNTERS}
@@ -234,13 +276,13 @@ class HierarchicalQMIX(QMIX):
         """Read a model zip of both levels, as `QMIX.load`."""
         model = super().load(*args, **kwargs)
         if model.leads:
-            numbers = model.leader.numpy().copy()
-            model.policy.lower = FrozenLower.of_numbers(numbers, ways=model.ways, tie=model.lower_tie)
+            weights = {name: np.array(values, np.float32) for name, values in model.leader.items()}
+            model.policy.lower = FrozenLower(weights, ways=model.ways, tie=model.lower_tie)
             model.lead_envs()
         return model
 
     def _get_torch_save_params(self) -> tuple[list[str], list[str]]:
-        return ["policy", "policy.optimizer", "lower.policy", "lower.policy.optimizer"], ["leader"]
+        return ["policy", "policy.optimizer", "lower.policy", "lower.policy.optimizer"], []
 
     def snapshot(self) -> dict[str, NDArray[Any]]:
         """What a model zip leaves out of the lower level: its replay, its running games."""

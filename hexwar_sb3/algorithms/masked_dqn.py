@@ -17,7 +17,7 @@ from stable_baselines3.common.callbacks import BaseCallback
 from stable_baselines3.common.noise import ActionNoise
 from stable_baselines3.common.off_policy_algorithm import OffPolicyAlgorithm
 from stable_baselines3.common.policies import BasePolicy
-from stable_baselines3.common.type_aliases import GymEnv, Schedule
+from stable_baselines3.common.type_aliases import GymEnv, MaybeCallback, Schedule
 from stable_baselines3.common.utils import update_learning_rate
 
 from hexwar_sb3.algorithms.exploration import checked_masks, epsilon_at, random_tasks
@@ -293,12 +293,21 @@ class MaskedLearner(MaskedExploration, PlainZip):
         self.n_envs = n_envs
         self.replay_buffer = self._make_replay()
 
-    def _setup_learn(self, *args: Any, **options: Any) -> tuple[int, BaseCallback]:
+    def _setup_learn(
+        self,
+        total_timesteps: int,
+        callback: MaybeCallback = None,
+        reset_num_timesteps: bool = True,
+        *args: Any,
+        **options: Any,
+    ) -> tuple[int, BaseCallback]:
         if self.env is None:
             raise ConfigError(
                 f"this model has no env to learn in: {type(self).__name__}.load(path, env=env), or model.set_env(env)"
             )
-        return super()._setup_learn(*args, **options)
+        if reset_num_timesteps or self._last_obs is None:
+            self.replay_buffer.cut_short()  # SB3 resets the env
+        return super()._setup_learn(total_timesteps, callback, reset_num_timesteps, *args, **options)
 
     def snapshot(self) -> dict[str, NDArray[Any]]:
         """What a model zip leaves out and learning needs: the replay and the state of our generator.

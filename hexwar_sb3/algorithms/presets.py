@@ -25,6 +25,9 @@ class Preset:
     env: Settings = field(default_factory=dict)  # of `TaskSettings`
     route: Settings = field(default_factory=dict)  # of `RouteSettings`
     learner: Settings = field(default_factory=dict)  # of `QMIX`
+    lower_learner: Settings = field(
+        default_factory=dict
+    )  # of `MaskedDQN`, where it differs from LOWER_DEFAULTS
 
     def lower_ticks(self, upper_ticks: int) -> int:
         """Game ticks of the lower level in a training with so many of the upper one."""
@@ -43,15 +46,31 @@ PRESETS = {
     ),
     # Section IV to the letter: 16 games at a time, learning rate 0.1, a = 0.1, epsilon 0.5 minus 0.01 every 100
     # episodes down to 0.05, eq. (3) of eq. (1) without discount (eq. (4)), alpha 0.01 and beta 0.05 for every hop, the
-    # six neighbours as the state of the lower level, warm start from G^B. No n-step returns, no sticky
-    # exploration, no demonstrations, no ties. With Adam such a learning rate learns nothing.
+    # six neighbours as the state of the lower level, tasks from the upper level alone, warm start from G^B. No n-step
+    # returns, no sticky exploration, no demonstrations, no ties. With Adam such a learning rate learns nothing.
+    # The paper is silent about the lower level's discount and batch: those are the default's.
     "paper": Preset(
         n_envs=16,
         tie=0.0,
         demo_share=0.0,
         warm_start=1.0,
         env={"reward": "paper"},
-        route={"alpha": 0.01, "beta": 0.05, "beta_per": "hop", "ways": False, "gain_limit": float("inf")},
+        route={
+            "alpha": 0.01,
+            "beta": 0.05,
+            "beta_per": "hop",
+            "ways": False,
+            "gain_limit": float("inf"),
+            "keep_task": 0.0,
+            "wander": 0.0,
+        },
+        lower_learner={
+            "learning_rate": 0.1,
+            "final_learning_rate": None,
+            "tau": 0.1,
+            "exploration_initial_eps": 0.5,
+            "exploration_final_eps": 0.05,
+        },
         learner={
             "learning_rate": 0.1,
             "tau": 0.1,

@@ -174,8 +174,19 @@ class QMIX(PlainZipAlgorithm):
             self.buffer_size, self.observation_space, self.action_space, self.device, self.n_envs, self.gamma
         )
         self.learner = self._make_learner()
+        self.follow_lower()
         self._begin_games()
         self._convert_train_freq()
+
+    def set_env(self, env: GymEnv, force_reset: bool = True) -> None:
+        """Go on in another env of the same sizes; to train, it must give the mixer the same state."""
+        super().set_env(env, force_reset)
+        self.follow_lower()
+
+    def follow_lower(self) -> None:
+        """Let the pieces of a frozen copy be led as the env's are, where tasks are carried out by a lower level."""
+        if self.env is not None and self.env.has_attr("lower_level"):
+            self.policy.lower = self.env.get_attr("lower_level")[0]
 
     def _setup_lr_schedule(self) -> None:
         """Make the schedule, of plain numbers where it falls; its progress goes on in a resumed run."""

@@ -241,8 +241,17 @@ class StepReplay:
         return {**parts, "next_row": self.next_row}
 
     def restore(self, parts: Mapping[str, NDArray[Any]]) -> None:
-        """Take over what `snapshot` gave."""
-        self.used = parts["reward"].shape[1]
+        """Take over what `snapshot` gave.
+
+        Raises:
+            ConfigError: it is of another number of games, or larger than this replay.
+        """
+        games, used = parts["reward"].shape
+        if games != len(self.reward) or used > self.reward.shape[1]:
+            found, room = f"{used} steps of {games} games", f"{self.reward.shape[1]} of {len(self.reward)}"
+            raise ConfigError(f"the stored replay holds {found}, this one has room for {room}")
+        self.used = used
+        self.is_step[:] = False
         for name, array in self._arrays().items():
             if name != "obs_tasks":
                 array[:, : self.used] = parts[name]

@@ -107,6 +107,11 @@ class TimedReplayBuffer(DictReplayBuffer):
         rows = {key: values[at] for key, values in stored.items()}
         return {key: self.to_torch(values) for key, values in self._normalize_obs(rows, env).items()}  # type: ignore[union-attr]
 
+    def cut_short(self) -> None:
+        """End the running episodes where they are: their last observation is valued."""
+        if self.size():
+            self.dones[self.pos - 1] = self.timeouts[self.pos - 1] = 1.0
+
     def snapshot(self) -> dict[str, NDArray[Any]]:
         """Everything that is stored, by name, without rows that were never written; views, not copies."""
         rows = self.size()

@@ -1,11 +1,11 @@
 """A baseline of another library, trained and measured as `hexwar train`: what all of them share.
 
-They leave the files of `hexwar train`, but for a policy folder and checkpoints: a run that was broken off starts anew.
+They leave model, best model, curve and page as `hexwar train` does; no policy folder, replays or checkpoints: a run
+that was broken off starts anew.
 """
 
 from __future__ import annotations
 
-import json
 import sys
 from abc import abstractmethod
 from dataclasses import dataclass
@@ -22,18 +22,16 @@ from stable_baselines3.common.vec_env import VecEnv, VecEnvWrapper
 from stable_baselines3.common.vec_env.base_vec_env import VecEnvObs, VecEnvStepReturn
 
 from hexwar_sb3.callbacks.win_rate import WinRateCallback
-from hexwar_sb3.commands.bench_start import peak_mb
-from hexwar_sb3.commands.output import compile_first, panel_table
-from hexwar_sb3.commands.run_folder import RunFolder, write_text
-from hexwar_sb3.commands.settings import ScenarioName, Seed
+from hexwar_sb3.commands.output import compile_first
+from hexwar_sb3.commands.page import TRAINED, write_page
+from hexwar_sb3.commands.run_folder import RunFolder
+from hexwar_sb3.commands.settings import ConstantPlans, ScenarioName, Seed
 from hexwar_sb3.engine.world import load_world
 from hexwar_sb3.envs.registration import make_vec_env
 from hexwar_sb3.errors import ConfigError, HexWarError
-from hexwar_sb3.evaluation.panel import CONSTANT_PLANS, Terms, play_panel
-from hexwar_sb3.evaluation.provenance import provenance
+from hexwar_sb3.evaluation.panel import BOTS, CONSTANT_PLANS, Terms
 from hexwar_sb3.evaluation.seeds import Purpose, seed_for
 
-OPPONENTS = ("MA1", "MA2")
 USER_ERROR, INTERRUPTED = 2, 130  # exit codes
 
 
@@ -50,7 +48,7 @@ class Baseline:
     games: int = 10_000
     seed: Seed = 0
     scenario: ScenarioName = "plain"
-    opponents: tuple[str, ...] = OPPONENTS  # each game draws one
+    opponents: tuple[str, ...] = BOTS  # each game draws one
     decision_ticks: int = 75
     n_envs: int = 16  # games side by side
     reward_scale: float = 50.0  # points that count as 1
@@ -58,7 +56,7 @@ class Baseline:
     eval_freq: int = 1000  # games between two evaluations
     eval_games: int = 64  # games an opponent and colour in each of them
     final_games: int = 1000  # games an opponent and colour on the page at the end
-    constant_plans: bool = True  # the players that follow one fixed plan stand beside it on the page, or not
+    constant_plans: ConstantPlans = True
 
     name: str = "baseline"  # the run folder is RUNS/NAME_k
     runs: Path = Path("runs")
@@ -84,8 +82,30 @@ class Baseline:
         folder.write_config(self, " ".join([f"python -m {self.module}", *sys.argv[1:]]))
         start = monotonic()
         self.learn(model, folder)
-        write_page(self, folder, minutes=(monotonic() - start) / 60)
+        title = (
+            f'What {self.title} learned on "{self.scenario}", seed {self.seed}:'
+            f" {self.games:,} games against {', '.join(self.opponents)}"
+        )
+        _, text = write_page(
+            folder,
+            self.players(folder),
+            self.terms(Purpose.REPORT),
+            title=title,
+            n_timesteps=self.games * self.decisions,
+            minutes=(monotonic() - start) / 60,
+        )
+        print(text)
         return 0
+
+    def players(self, folder: RunFolder) -> dict[str, object]:
+        """Say who plays for the page, by the name of the row: "trained" is the best model of the evaluations."""
+        players: dict[str, object] = {
+            "untrained": self.algorithm.load(untrained(folder), device="cpu"),
+            TRAINED: self.algorithm.load(best(folder.path), device="cpu"),
+        }
+        if self.constant_plans:
+            players |= {name: name for name in CONSTANT_PLANS}
+        return players
 
     def learn(self, model: BaseAlgorithm, folder: RunFolder) -> None:
         """Let the model play its games."""
@@ -167,6 +187,10 @@ class GamesWinRate(WinRateCallback):
         """Decisions of the finished games."""
         return finished_games(self.model) * self.decisions
 
+    def ticks(self) -> int:
+        """Game ticks of the finished games."""
+        return self.now() * self.terms.decision_ticks
+
     def player(self) -> Any:
         """The model itself plays."""
         return self.model
@@ -200,39 +224,6 @@ def untrained(folder: RunFolder) -> Path:
 def best(folder: Path) -> Path:
     """The model that did best in the evaluations."""
     return folder / "best_model.zip"
-
-
-def write_page(settings: Baseline, folder: RunFolder, *, minutes: float) -> None:
-    """Play fresh games before and after, beside constant plans; the figures of the page of `hexwar train`."""
-    players: dict[str, object] = {
-        "untrained": settings.algorithm.load(untrained(folder), device="cpu"),
-        "trained": settings.algorithm.load(best(folder.path), device="cpu"),
-    }
-    if settings.constant_plans:
-        players |= {name: name for name in CONSTANT_PLANS}
-    terms = settings.terms(Purpose.REPORT)
-    panels = [play_panel(player, OPPONENTS, terms, name=name) for name, player in players.items()]
-    rows = [row for panel in panels for row in panel.summary()]
-    steps = settings.games * settings.decisions
-    figures = {
-        "command": (folder.path / "command.txt").read_text(encoding="utf-8").strip(),
-        "seed": settings.seed,
-        "n_timesteps": steps,
-        "games": settings.final_games,
-        **provenance(settings.scenario),
-        "minutes": minutes,
-        "peak_mb": peak_mb(),
-        "rows": rows,
-    }
-    write_text(folder.path / "page.json", json.dumps(figures, indent=2) + "\n")
-    title = (
-        f'What {settings.title} learned on "{settings.scenario}", seed {settings.seed}: {settings.games:,} games against '
-        f"{', '.join(settings.opponents)} in {minutes:.1f} minutes.\n"
-        "Figures: fresh games; win rate = (won + drawn / 2) / games; 95 % intervals."
-    )
-    text = f"{title}\n\n{panel_table(rows)}"
-    write_text(folder.page, text + "\n")
-    print(text)
 
 
 def run_baseline(cls: type[Baseline]) -> int:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
+from typing import Annotated, Literal, TypeVar
 
 import tyro
 
@@ -17,40 +17,45 @@ from hexwar_sb3.commands.output import (
     result_cells,
     table,
 )
-from hexwar_sb3.commands.settings import DecisionTicks, Games, Json, ScenarioName, Seed
+from hexwar_sb3.commands.settings import ConstantPlans, DecisionTicks, Games, Json, ScenarioName, Seed
 from hexwar_sb3.errors import ConfigError
+
+PLAYER = "a bot's name, a run folder or a policy folder"
+T = TypeVar("T")
+AsTrained = Annotated[T | None, tyro.conf.arg(help_behavior_hint="(default: as the policy was trained)")]
 
 
 @dataclass(frozen=True, kw_only=True)
 class Evaluate:
-    """Measure a player against a panel of opponents, in both colours, beside constant plans."""
+    """Measure a player against a panel of opponents, in both colours, beside constant plans.
 
-    player: tyro.conf.Positional[str]  # a run folder, a policy folder, or a bot's name
+    A policy plays as it was trained: the same cells for its tasks, the same decision points.
+    """
+
+    player: Annotated[str, tyro.conf.Positional, tyro.conf.arg(metavar="PLAYER", help=PLAYER)]
     opponents: tuple[str, ...] = ("MA1", "MA2")  # bots' names or folders
-    scenario: ScenarioName = "plain"
+    # name of a built-in scenario, NAME@SEED for one like it, or path of a file
+    scenario: AsTrained[str] = None
     side: Literal["red", "blue", "both"] = "both"  # camps that the player takes
     games: Games = 2000
     seed: Seed = 0
-    decision_ticks: DecisionTicks = 75
-    constant_plans: bool = True  # the players that follow one fixed plan stand beside it, or not
+    decision_ticks: AsTrained[int] = None  # ticks between two decisions
+    constant_plans: ConstantPlans = True
     json: Json = False
 
     def run(self) -> int:
         """Play, then print the table."""
         from hexwar_sb3.evaluation.matches import player_name
-        from hexwar_sb3.evaluation.panel import CAMPS, CONSTANT_PLANS, Terms, play_panel
+        from hexwar_sb3.evaluation.panel import CAMPS, CONSTANT_PLANS, Terms, play_panel, trained_terms
         from hexwar_sb3.evaluation.provenance import provenance
 
         if not self.opponents:
             raise ConfigError("name at least one opponent")
-        terms = Terms(
-            scenario=self.scenario,
-            games=self.games,
-            seed=self.seed,
-            decision_ticks=self.decision_ticks,
-            camps=CAMPS if self.side == "both" else (self.side,),
-        )
-        compile_first(self.player, *self.opponents, scenario=self.scenario)
+        given = {"scenario": self.scenario, "decision_ticks": self.decision_ticks}
+        how = trained_terms(self.player) | {name: value for name, value in given.items() if value is not None}
+        camps = CAMPS if self.side == "both" else (self.side,)
+        terms = Terms(games=self.games, seed=self.seed, camps=camps, **how)
+        compile_first(self.player, *self.opponents, scenario=terms.scenario)
         players = [self.player, *(CONSTANT_PLANS if self.constant_plans else ())]
         with games_bar(len(players) * len(self.opponents) * len(terms.camps) * self.games) as progress:
             panels = [
@@ -59,7 +64,7 @@ class Evaluate:
             ]
         rows = [row for panel in panels for row in panel.summary()]
         if self.json:
-            print_json({"seed": self.seed, **provenance(self.scenario), "rows": rows})
+            print_json({"seed": self.seed, **provenance(terms.scenario), "rows": rows})
         else:
             print(panel_table(rows))
         return 0
@@ -69,8 +74,8 @@ class Evaluate:
 class Match:
     """Play one pairing many times."""
 
-    red: tyro.conf.Positional[str]  # a bot's name, a run folder or a policy folder
-    blue: tyro.conf.Positional[str]  # likewise
+    red: Annotated[str, tyro.conf.Positional, tyro.conf.arg(metavar="RED", help=PLAYER)]
+    blue: Annotated[str, tyro.conf.Positional, tyro.conf.arg(metavar="BLUE", help=PLAYER)]
     scenario: ScenarioName = "plain"
     games: Games = 2000
     seed: Seed = 0

@@ -32,7 +32,7 @@ class Hotspots:
     games: int = 0  # games to play and count, with red and blue as named, and as many the other way round
     scenario: ScenarioName = "plain"  # of --games
     red: str = "MA1"  # player of --games: a bot's name, a run folder or a policy folder
-    blue: str = "MA2"  # likewise
+    blue: str = "MA2"  # its opponent, named likewise
     seed: Seed = 0  # of --games, in the range of training games
     k: int = 6  # spots beside the control points
     out: Path | None = None  # file (*.json) that gets spots, hull, visits and walls

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import json
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -64,6 +65,10 @@ class RunFolder:
         """What was learned, as text; its figures lie beside it as JSON."""
         return self.path / "page.txt"
 
+    def minutes_before(self) -> float:
+        """Wall time of the earlier parts of a run that was broken off, by their logs."""
+        return sum(_seconds(part) for part in self.path.glob("progress_*.csv")) / 60
+
     def write_config(self, config: Any, command: str) -> None:
         """Write the settings (a dataclass) and the command line."""
         write_text(self.config, json.dumps(asdict(config), indent=2, default=str) + "\n")
@@ -83,6 +88,11 @@ class RunFolder:
         if not isinstance(config, dict):
             raise FileFormatError(self.config, "file", found=type(config).__name__, expected="a JSON object")
         return config
+
+
+def _seconds(log: Path) -> float:
+    with log.open(encoding="utf-8", newline="") as file:
+        return max((float(row.get("time/time_elapsed") or 0.0) for row in csv.DictReader(file)), default=0.0)
 
 
 def write_text(path: Path, text: str) -> None:

@@ -15,6 +15,10 @@ Seed = Annotated[int, tyro.conf.arg(help="0..999999; the same seed gives the sam
 DecisionTicks = Annotated[
     int, tyro.conf.arg(help="ticks between two decisions of a policy; as it was trained")
 ]
+ConstantPlans = Annotated[
+    bool,
+    tyro.conf.arg(help="leave out the players that follow one fixed plan", help_behavior_hint=""),
+]
 ScenarioName = Annotated[
     str, tyro.conf.arg(help="name of a built-in scenario, NAME@SEED for one like it, or path of a file")
 ]

@@ -4,19 +4,21 @@ from __future__ import annotations
 
 import sys
 from dataclasses import dataclass, replace
+from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeVar
 
 import tyro
 
 from hexwar_sb3.algorithms.presets import PRESETS
 from hexwar_sb3.commands.output import compile_first
 from hexwar_sb3.commands.run_folder import RunFolder
-from hexwar_sb3.commands.settings import Json, ScenarioName, Seed, check_name
+from hexwar_sb3.commands.settings import ConstantPlans, Json, ScenarioName, Seed, check_name
 from hexwar_sb3.envs.settings import check_share
 from hexwar_sb3.errors import ConfigError, FileFormatError, UnknownNameError
 from hexwar_sb3.evaluation.seeds import Purpose
-from hexwar_sb3.maps.files import builtin_names
+from hexwar_sb3.maps.files import builtin_names, load_scenario
+from hexwar_sb3.rules.enums import Camp
 
 EXPLORING_SHARE = 0.4  # of the games, in which epsilon falls to its last value
 LOWER_SCENARIOS = (*builtin_names(), "hills@1", "hills@2", "hills@3", "hills@4", "hills@5")
@@ -50,6 +52,8 @@ if TYPE_CHECKING:
 Steps = Annotated[
     int, tyro.conf.arg(aliases=("-n",), help="env steps: decisions of the camp, 24 make a game")
 ]
+T = TypeVar("T")
+OfPreset = Annotated[T | None, tyro.conf.arg(help_behavior_hint="(default: the preset's)")]
 StartFrom = Annotated[
     Path | None,
     tyro.conf.arg(aliases=("-i",), help="model.zip to start from, with its own learner settings"),
@@ -69,45 +73,46 @@ class Train:
     side: Literal["red", "blue", "both"] = "both"  # camp of the commander; both: in turn
     opponents: tuple[str, ...] = ("MA1", "MA2")  # bots' names or policy folders; each game draws one
     decision_ticks: int = 75  # Delta-t, ticks between two decisions
-    preset: Literal["default", "paper"] = "default"  # "paper": section IV to the letter
-    n_envs: int | None = None  # games side by side
-    reward: Literal["paper", "net"] | None = None  # margin by eq. (1), or own minus enemy
-    decisions: Literal["fixed", "event"] | None = None  # event: also after an own loss or an ended task
-    spots: int | None = None  # k of G^L(k), the cells that tasks lead to
-    warm_start: float | None = (
-        None  # share of the games that begin near G^B; falls to 0 by half of the training
+    # paper: the numbers of section IV to the letter; its learning rate of 0.1 learns nothing with Adam
+    preset: Literal["default", "paper"] = "default"
+    n_envs: OfPreset[int] = None  # games side by side
+    reward: OfPreset[Literal["paper", "net"]] = None  # margin by eq. (1), or own minus enemy
+    decisions: OfPreset[Literal["fixed", "event"]] = None  # event: also after an own loss or an ended task
+    spots: OfPreset[int] = (
+        None  # k of G^L(k), the number of cells that tasks lead to beside the control points
     )
-    demo_share: float | None = None  # share of the first games in which a bot shows how it plays
-    demo_games: int | None = None  # number of those first games
-    demo_bot: str = "MA2"  # that shows it
+    # share of the games in which each piece first goes to a random cell of G^B; it falls to 0 by half of the training
+    warm_start: OfPreset[float] = None
+    demo_share: OfPreset[float] = None  # share of the first games in which a bot shows how it plays
+    demo_games: OfPreset[int] = None  # number of those first games
+    demo_bot: str = "MA2"  # bot that plays the demonstrations
 
-    lower: str | None = None  # who leads the pieces: "learned", "heuristic", or the folder of a policy
-    phase_ticks: tuple[int, int] | None = None  # game ticks of the upper, of the lower level, in turn
-    lower_scenarios: tuple[str, ...] = ()  # its maps; else the scenario, the built-in ones and more hills
-    tie: float | None = None  # share of beta: values of its answers that are nearer count as equal
-    alpha: float | None = None  # weight of the camp's reward in r_L, eq. (5)
-    beta: float | None = None  # cost of a step in r_L, eq. (5)
-    beta_per: Literal["base_hop", "hop"] | None = (
-        None  # what a step is: time of a hop on open ground, or a hop
-    )
-    ways: bool | None = (
-        None  # the fastest ways are part of the lower level's state, or the six neighbours alone
-    )
-    lower_gamma: float | None = None  # discount of a base hop
+    lower: OfPreset[str] = None  # who leads the pieces: "learned", "heuristic", or the folder of a policy
+    phase_ticks: OfPreset[tuple[int, int]] = None  # game ticks of the upper, of the lower level, in turn
+    # maps that the lower level learns on; else the scenario, the built-in ones and more hills
+    lower_scenarios: tuple[str, ...] = ()
+    tie: OfPreset[float] = None  # share of beta: answers of the lower level whose values are nearer are equal
+    alpha: OfPreset[float] = None  # weight of the camp's reward in r_L, eq. (5)
+    beta: OfPreset[float] = None  # cost of a step in r_L, eq. (5)
+    # what a step is in eq. (5): the time of a hop on open ground, or a hop
+    beta_per: OfPreset[Literal["base_hop", "hop"]] = None
+    ways: OfPreset[bool] = None  # the lower level's state holds the fastest ways, or the six neighbours alone
+    lower_gamma: OfPreset[float] = None  # discount of the lower level for the time of a hop on open ground
 
-    mixer: Literal["qmix", "vdn", "iql"] | None = None
-    learning_rate: float | None = None  # of Adam, at the start
-    final_learning_rate: float | None = None  # and at the end
-    batch_size: int | None = None  # transitions of an update
-    gamma: float | None = None  # discount of 75 ticks
-    n_steps: int | None = None  # steps of a transition
-    td_lambda: float | None = None  # of lambda-returns over n_steps; else n-step returns
-    double_q: bool | None = None  # the online network picks the next tasks
-    gradient_steps: int | None = None  # updates a finished game
-    stickiness: float | None = None  # probability that an exploring piece keeps its random task
-    exploration_initial_eps: float | None = None  # probability of a random task at the start
-    exploration_final_eps: float | None = None  # and after exploration_episodes
-    exploration_episodes: int | None = None  # finished games until then
+    mixer: OfPreset[Literal["qmix", "vdn", "iql"]] = None  # joins the pieces' values into the camp's
+    learning_rate: OfPreset[float] = None  # of Adam, at the start
+    final_learning_rate: OfPreset[float] = None  # learning rate at the end
+    batch_size: OfPreset[int] = None  # transitions of an update
+    gamma: OfPreset[float] = None  # discount of 75 ticks
+    n_steps: OfPreset[int] = None  # env steps of a transition
+    td_lambda: OfPreset[float] = None  # of lambda-returns over n_steps; else n-step returns
+    double_q: OfPreset[bool] = None  # the online network picks the next tasks
+    gradient_steps: OfPreset[int] = None  # updates a finished game
+    stickiness: OfPreset[float] = None  # probability that an exploring piece keeps its random task
+    exploration_initial_eps: OfPreset[float] = None  # probability of a random task at the start
+    exploration_final_eps: OfPreset[float] = None  # probability of a random task in the end
+    # games until epsilon is at its last value; 40 % of the training, where the preset says nothing
+    exploration_episodes: OfPreset[int] = None
     trained_agent: StartFrom = None
     device: str = "auto"  # "cpu", "cuda", or what there is
 
@@ -115,7 +120,7 @@ class Train:
     eval_games: int = 64  # games an opponent and colour in each of them
     save_freq: int = 48_000  # env steps of both levels between two checkpoints
     final_games: int = 1000  # games an opponent and colour on the page at the end
-    constant_plans: bool = True  # the players that follow one fixed plan stand beside it on the page, or not
+    constant_plans: ConstantPlans = True
 
     name: str = "commander"  # the run folder is RUNS/NAME_k
     runs: Path = Path("runs")  # folder of the run folders
@@ -170,13 +175,15 @@ class Train:
 
     def _check_lower(self) -> None:
         """Check what the lower level's phases will need, before the first one comes."""
-        from hexwar_sb3.engine.world import load_world
-
         lower = self.value("lower")
         if lower not in LOWERS and not Path(lower).exists():
             raise UnknownNameError("lower", lower, LOWERS)
-        for scenario in self.lower_scenarios:
-            load_world(scenario)
+        for name in self.lower_scenarios:
+            if sizes(name) != sizes(self.scenario):
+                raise ConfigError(
+                    f"lower_scenarios: {name} has {sizes(name)} pieces of red, of blue, and control points,"
+                    f" {self.scenario} has {sizes(self.scenario)}: one upper level gives the tasks in all of them"
+                )
 
     @property
     def games(self) -> int:
@@ -198,7 +205,8 @@ class Train:
     @property
     def route(self) -> dict[str, Any]:
         """Settings of the route env: the preset's, and those that were given."""
-        scenarios = self.lower_scenarios or dict.fromkeys((self.scenario, *LOWER_SCENARIOS))
+        others = (name for name in LOWER_SCENARIOS if sizes(name) == sizes(self.scenario))
+        scenarios = self.lower_scenarios or dict.fromkeys((self.scenario, *others))
         given = self._given("alpha", "beta", "beta_per", "ways")
         return {"scenario": list(scenarios), **PRESETS[self.preset].route, **given}
 
@@ -208,8 +216,22 @@ class Train:
         exploring = {"exploration_episodes": max(1, int(EXPLORING_SHARE * self.games))}
         return {**exploring, **PRESETS[self.preset].learner, **self._given(*LEARNER)}
 
+    @property
+    def lower_learner(self) -> dict[str, Any]:
+        """Arguments of `MaskedDQN`: the preset's, and the discount if it was given."""
+        gamma = {} if self.lower_gamma is None else {"gamma": self.lower_gamma}
+        return {**PRESETS[self.preset].lower_learner, **gamma}
+
     def _given(self, *names: str) -> dict[str, Any]:
         return {name: getattr(self, name) for name in names if getattr(self, name) is not None}
+
+
+@cache
+def sizes(scenario: str) -> tuple[int, int, int]:
+    """Number of red's pieces, of blue's, and of control points; a policy fits where they are its own."""
+    start = load_scenario(scenario)
+    red = sum(piece.camp == Camp.RED for piece in start.pieces)
+    return red, len(start.pieces) - red, len(start.points)
 
 
 def settings_from(folder: RunFolder) -> Train:

@@ -20,20 +20,24 @@ from hexwar_sb3.callbacks.progress import ProgressBar
 from hexwar_sb3.callbacks.record import write_games
 from hexwar_sb3.callbacks.shares import ShareOfGames
 from hexwar_sb3.callbacks.win_rate import WinRateCallback
-from hexwar_sb3.commands.page import write_page
+from hexwar_sb3.commands.output import print_json
+from hexwar_sb3.commands.page import TRAINED, write_page
 from hexwar_sb3.commands.run_folder import RunFolder
 from hexwar_sb3.commands.train import LEARNED
 from hexwar_sb3.engine.world import load_world
 from hexwar_sb3.envs.registration import make_vec_env
 from hexwar_sb3.errors import ConfigError
+from hexwar_sb3.evaluation.panel import CONSTANT_PLANS
 from hexwar_sb3.evaluation.seeds import Purpose, seed_for
-from hexwar_sb3.play.lower_policy import HEURISTIC_LOWER
+from hexwar_sb3.play.frozen import FrozenPolicy
+from hexwar_sb3.play.lower_policy import HEURISTIC_LOWER, FrozenLower
 
 if TYPE_CHECKING:
     from stable_baselines3.common.vec_env import VecEnv
 
     from hexwar_sb3.commands.train import Train
 
+LED_BY_HEURISTIC = "trained, heuristic lower"  # row of the page
 LOG_EVERY_GAMES = 200
 INTERRUPTED = 130  # exit code after Ctrl-C
 
@@ -55,8 +59,47 @@ def train(settings: Train, model: QMIX, folder: RunFolder) -> int:
     del model.replay_buffer  # 0.7 GB that the games of the page can have
     opponent = settings.opponents[0]
     write_games(folder.policy, opponent, settings.terms(), folder.replays, f"against_{Path(opponent).name}")
-    write_page(settings, folder, minutes=(monotonic() - start) / 60)
+    title = (
+        f'What was learned on "{settings.scenario}", seed {settings.seed}:'
+        f" {settings.n_timesteps:,} env steps against {', '.join(settings.opponents)}"
+    )
+    figures, text = write_page(
+        folder,
+        players_of(settings, folder),
+        settings.terms(),
+        title=title,
+        n_timesteps=settings.n_timesteps,
+        minutes=(monotonic() - start) / 60 + folder.minutes_before(),
+    )
+    if settings.json:
+        print_json({**figures, "run": str(folder.path)})
+    else:
+        print(text, _places(folder), sep="\n\n")
     return 0
+
+
+def players_of(settings: Train, folder: RunFolder) -> dict[str, object]:
+    """Say who plays for the page, by the name of the row: "trained" is the best model of the evaluations."""
+    trained = FrozenPolicy.load(folder.policy)
+    players: dict[str, object] = {"untrained": str(folder.untrained), TRAINED: trained}
+    if isinstance(trained.lower, FrozenLower):
+        players[LED_BY_HEURISTIC] = trained.led_by(HEURISTIC_LOWER)
+    if settings.constant_plans:
+        players |= {name: name for name in CONSTANT_PLANS}
+    return players
+
+
+def _places(folder: RunFolder) -> str:
+    places = {
+        "policy to share": folder.policy,
+        "best model": folder.path / "best_model.zip",
+        "last model": folder.model,
+        "learning curve": folder.path / "learning_curve.png",
+        "replays": folder.replays,
+        "this page": folder.page,
+    }
+    width = max(len(name) for name in places)
+    return "\n".join(f"{name:<{width}}  {path}" for name, path in places.items())
 
 
 def learn(model: QMIX, settings: Train, folder: RunFolder) -> bool:
@@ -67,7 +110,8 @@ def learn(model: QMIX, settings: Train, folder: RunFolder) -> bool:
         with checkpoint.on_signal():
             model.learn(
                 settings.n_timesteps - model.num_timesteps,
-                callback=CallbackList([checkpoint, *watchers(settings, folder)]),
+                # The checkpoint last: what else is due at this step is then done, or due again after a resume.
+                callback=CallbackList([*watchers(settings, folder), checkpoint]),
                 log_interval=LOG_EVERY_GAMES,
                 reset_num_timesteps=False,
             )
@@ -121,12 +165,12 @@ def new_model(settings: Train, env: VecEnv) -> HierarchicalQMIX:
         "phase_ticks": phases if settings.value("lower") == LEARNED else (phases[0], 0),
         "route_kwargs": settings.route,
         "tie": settings.value("tie"),
-        "lower_kwargs": {} if settings.lower_gamma is None else {"gamma": settings.lower_gamma},
+        "lower_kwargs": settings.lower_learner,
     }
     if settings.trained_agent is None:
         how = {"seed": settings.seed, "device": settings.device, **settings.learner, **levels}
         return HierarchicalQMIX("HierarchicalPolicy", env, **how)
-    model = HierarchicalQMIX.load(settings.trained_agent, env, device=settings.device)
+    model = HierarchicalQMIX.load(settings.trained_agent, env, device=settings.device, seed=settings.seed)
     model.num_timesteps = 0
     return model
 
@@ -147,7 +191,7 @@ def check_device(name: str) -> None:
 def about(settings: Train) -> dict[str, str]:
     """Say in a policy folder what it was trained on."""
     rules = load_world(settings.scenario).ruleset.hash
-    return {"rules": rules, "scenario": settings.scenario, "side": settings.side, "seed": str(settings.seed)}
+    return {"rules": rules, "side": settings.side, "seed": str(settings.seed), **settings.terms().about()}
 
 
 def watchers(settings: Train, folder: RunFolder) -> list[BaseCallback]:

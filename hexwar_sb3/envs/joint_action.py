@@ -69,7 +69,7 @@ class JointActionEnv(gymnasium.Env[Obs, NDArray[np.int64]]):
         """Start an episode."""
         super().reset(seed=seed)
         self._observed, infos = self.env.reset(seed=seed, options=options)
-        return self._observe(infos), {}
+        return self._observe(infos, set(self.env.agents)), {}
 
     def step(self, action: NDArray[np.int64]) -> tuple[Obs, float, bool, bool, dict[str, Any]]:
         """Let every living agent act [N]; the episode ends when all of them have."""
@@ -80,13 +80,15 @@ class JointActionEnv(gymnasium.Env[Obs, NDArray[np.int64]]):
         reward = sum(map(float, rewards.values())) / (1 if self._sum else len(rewards))
         over = not self.env.agents or all(terminated[name] or truncated[name] for name in joint)
         cut = over and any(truncated[name] and not terminated[name] for name in joint)
-        return self._observe(infos), reward, over and not cut, cut, {}
+        # PettingZoo empties `agents` at a time limit, yet its last observation is valued: nobody died of it.
+        living = {name for name in joint if not terminated[name]} if cut else set(self.env.agents)
+        return self._observe(infos, living), reward, over and not cut, cut, {}
 
-    def _observe(self, infos: dict[Any, dict[str, Any]]) -> Obs:
+    def _observe(self, infos: dict[Any, dict[str, Any]], living: set[Any]) -> Obs:
         parts = {key: np.zeros(box.shape, box.dtype) for key, box in self._spaces.items()}
         parts["tasks"] = self._rows
         for i, name in enumerate(self.names):
-            alive = name in self.env.agents
+            alive = name in living
             parts["alive"][i] = alive
             parts["obs"][i] = self._features(i, name)
             parts["action_mask"][i, : self.actions[name].n] = (

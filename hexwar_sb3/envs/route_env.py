@@ -40,7 +40,8 @@ class RouteEnv(gymnasium.Env[Obs, np.int64]):
         if render_mode is not None and render_mode not in self.metadata["render_modes"]:
             raise UnknownNameError("render_mode", render_mode, self.metadata["render_modes"])
         self.render_mode = render_mode
-        self.venv = RouteVecEnv(1, route_settings(settings))
+        self.settings = route_settings(settings)
+        self.venv = RouteVecEnv(1, self.settings)
         self.observation_space, self.action_space = route_spaces()  # type: ignore[assignment]
         self._next: Obs | None = None  # first observation of the next route of this game
 

@@ -46,7 +46,7 @@ class Hop:
     cut: NDArray[
         np.bool_
     ]  # it ended otherwise: another or impossible task, the piece's loss, the game's end [n]
-    ticks: NDArray[np.int64]  # [n]
+    ticks: NDArray[np.int64]  # of the way [n]
     steps: NDArray[np.float64]  # length in base hops, or 1 an answer (`beta_per`) [n]
     rest: NDArray[np.int64]  # where `cut`: ticks until the hop under way is done [n]
     last_state: NDArray[np.float32]  # what the lower level would have read where it was `cut` [n, Dl]
@@ -90,13 +90,11 @@ class RouteGames:
     def __init__(self, n_games: int, settings: RouteSettings, scenario: Field, seed: int = 0) -> None:
         self.settings, self.n_games = settings, n_games
         self.tasks = TaskGames(n_games, settings.task_settings(scenario), seed)
-        if not isinstance(self.tasks.lower, str | FrozenLower):
-            raise ConfigError(
-                "the route env leads its other pieces by the heuristic or a network, no callable"
-            )
+        check_leader(self.tasks.lower)
         self.upper = _make_upper(settings.upper)
         self.arena, self.all = self.tasks.arena, self.tasks.all
         self.focus = Focus.none(n_games)
+        self._idle = np.zeros(n_games, np.bool_)  # nobody had a way to go in a whole game
         self._passable = np.flatnonzero(self.arena.world.cells.passable == 1)
         self.state, self.mask = new_route_buffers(n_games)
         self.seed(seed)
@@ -118,21 +116,34 @@ class RouteGames:
         self.decide(which)
         self.next_route(which)
 
-    def next_route(self, which: Games) -> None:
-        """Let the next piece of each game take its turn; play on until it asks for its way."""
+    def next_route(self, which: Games) -> NDArray[np.int64]:
+        """Let the next piece of each game take its turn; play on until it asks for its way.
+
+        Where a game ends before anybody has asked, in the next one every task is a walk: an upper level that sends
+        nobody anywhere must not be waited for without end.
+
+        Returns:
+            Ticks that were played until then, of every game [n].
+        """
+        waited, ticks = np.zeros(self.n_games, np.int64), self.arena.state.games.tick
         for b in which.tolist():
             self._let_go(b)
         while which.size:
             for b in which.tolist():
                 if not self._is_bound(b):
                     self._take(b)
+            waited[which] -= ticks[which]
             self.arena.advance(which)
+            waited[which] += ticks[which]
             over, due = self.arena.over(which), self.arena.due(which, self.tasks.camps[which])
             if over.any():
                 self.tasks.begin(which[over])
                 self.focus.piece[which[over]] = NO_FOCUS
+                self._idle[which[over]] = True
             self.decide(which[over | due])
             which = which[~self._starts(which)]
+        self._idle[:] = False
+        return waited
 
     def play(self, answers: NDArray[np.int64]) -> Hop:
         """Give each focal piece its answer [n], and play on until it asks again or its route is over: eq. (5)."""
@@ -187,6 +198,7 @@ class RouteGames:
         kept &= (before.state != ENDED) & (before.chosen_at >= 0)
         self.arena.plans[which.repeat(pieces.shape[1])[kept.ravel()], pieces[kept]] = before[kept]
         wanders = ~kept & (self.rng.random(pieces.shape) < self.settings.wander)
+        wanders |= self._idle[which, None]
         for row, slot in np.argwhere(wanders):
             self._wander(int(which[row]), int(pieces[row, slot]))
         self.arena.plans.chosen_at[at] = self.arena.state.games.tick[which][:, None]

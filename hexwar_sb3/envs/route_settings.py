@@ -11,10 +11,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hexwar_sb3.checks import check_whole
-from hexwar_sb3.envs.settings import REWARDS, SIDES, TaskSettings, check_choice, check_share, checked_settings
+from hexwar_sb3.envs.settings import (
+    DECISIONS,
+    REWARDS,
+    SIDES,
+    TaskSettings,
+    check_choice,
+    check_share,
+    checked_settings,
+)
 from hexwar_sb3.errors import ConfigError
 from hexwar_sb3.maps.scenario import Scenario
 from hexwar_sb3.play.records import DECISION_TICKS
+from hexwar_sb3.tasks.spots import SPOTS
 
 RANDOM_UPPER = "random"
 BETA_PER = ("base_hop", "hop")
@@ -54,6 +63,9 @@ class RouteSettings:
         0.99  # discount of a base hop in the potential of the reward, see `potential`; 0: no potential
     )
     reward: str = "net"  # r_Sigma: own minus enemy, or "paper": the margin by eq. (1)
+    decisions: str = "fixed"  # "event": tasks are also given after an own loss or an ended task
+    spots: int = SPOTS  # k of G^L(k): cells that tasks lead to beside the control points
+    fog: bool = True  # False: lights on, for debugging
 
     def __post_init__(self) -> None:
         """Check the ranges.
@@ -64,10 +76,12 @@ class RouteSettings:
         """
         check_choice("side", self.side, SIDES)
         check_choice("reward", self.reward, REWARDS)
+        check_choice("decisions", self.decisions, DECISIONS)
         check_choice("beta_per", self.beta_per, BETA_PER)
         check_share("keep_task", self.keep_task)
         check_share("wander", self.wander)
         check_whole("decision_ticks", self.decision_ticks, least=1)
+        check_whole("spots", self.spots, least=0)
         check_share("shaping", self.shaping)
         if not self.gain_limit > 0.0:
             raise ConfigError(f"gain_limit must be above 0 points, got {self.gain_limit!r}")
@@ -84,8 +98,9 @@ class RouteSettings:
     def potential(self, hops: NDArray[np.float64]) -> NDArray[np.float64]:
         """What the fastest way is worth by eq. (5) alone: its end brings 1, each base hop costs beta [n].
 
-        With it the reward becomes r_L + gamma^hops * potential(after) - potential(before): the best policy stays the same
-        (Ng, Harada, Russell 1999), and what is left to learn is what a hop loses against the fastest way.
+        With it the reward becomes r_L + shaping^hops * potential(after) - potential(before), and what is left to learn is
+        what a hop loses against the fastest way. The best policy is that of r_L under a discount of `shaping`, if the
+        learner has that discount too (Ng, Harada, Russell 1999); under a lower one it is the best way hop by hop.
 
         Args:
             hops: base hops of the fastest way [n].
@@ -110,6 +125,9 @@ class RouteSettings:
             decision_ticks=self.decision_ticks,
             lower=self.lower,
             reward=self.reward,
+            decisions=self.decisions,
+            spots=self.spots,
+            fog=self.fog,
         )
 
 

@@ -43,6 +43,7 @@ class RouteVecEnv(NativeVecEnv):
 
     def __init__(self, n_envs: int, settings: RouteSettings, seed: int = 0) -> None:
         check_whole("n_envs", n_envs, least=len(settings.fields))
+        self.settings = settings
         shares = np.diff(np.linspace(0, n_envs, len(settings.fields) + 1).astype(int))
         self.fields = [
             RouteGames(int(n), settings, scenario, seed)
@@ -62,9 +63,12 @@ class RouteVecEnv(NativeVecEnv):
         """Give every focal piece its answer, and play until it asks again or its route is over."""
         answers = check_answers(self._actions, self.num_envs)
         hops = [games.play(answers[part]) for games, part in zip(self.fields, self._slices, strict=True)]
-        for games, hop in zip(self.fields, hops, strict=True):
-            games.next_route(games.all[hop.over])
-        infos = [_info(hop, b) for hop in hops for b in range(len(hop.ticks))]
+        waited = [games.next_route(games.all[hop.over]) for games, hop in zip(self.fields, hops, strict=True)]
+        infos = [
+            _info(hop, b, int(wait[b]))
+            for hop, wait in zip(hops, waited, strict=True)
+            for b in range(len(wait))
+        ]
         rewards, dones = (
             np.concatenate([hop.reward for hop in hops]),
             np.concatenate([hop.over for hop in hops]),
@@ -132,8 +136,9 @@ def check_answers(answers: Any, n: int) -> NDArray[np.int64]:
     return found.astype(np.int64)
 
 
-def _info(hop: Hop, b: int) -> dict[str, Any]:
-    info: dict[str, Any] = {"ticks": int(hop.ticks[b]), "steps": float(hop.steps[b])}
+def _info(hop: Hop, b: int, waited: int) -> dict[str, Any]:
+    """Say what a step was; its ticks are those of the way, and those until the next route began."""
+    info: dict[str, Any] = {"ticks": int(hop.ticks[b]) + waited, "steps": float(hop.steps[b])}
     info["lower_reward"] = float(hop.lower_reward[b])
     if hop.over[b]:
         info["finished"] = bool(hop.finished[b])

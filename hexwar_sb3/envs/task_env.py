@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from hexwar_sb3.envs.settings import task_settings
 from hexwar_sb3.envs.task_games import Obs, TaskGames, action_space, observation_space
 from hexwar_sb3.errors import UnknownNameError
+from hexwar_sb3.play.lower_policy import Lower
 
 
 class TaskEnv(gymnasium.Env[Obs, NDArray[np.int64]]):
@@ -72,6 +73,11 @@ class TaskEnv(gymnasium.Env[Obs, NDArray[np.int64]]):
     def action_masks(self) -> NDArray[np.bool_]:
         """Valid tasks, pieces one after the other [N * K] (sb3-contrib)."""
         return self.games.sight.obs["action_mask"].reshape(-1).astype(np.bool_)
+
+    @property
+    def lower_level(self) -> Lower:
+        """Who leads the learner's pieces."""
+        return self.games.lower
 
     def set_lower(self, lower: object) -> None:
         """Another lower level for the learner's pieces: "heuristic", a folder, a network, or a callable."""

@@ -13,6 +13,7 @@ from hexwar_sb3.envs.native_vec_env import NativeVecEnv
 from hexwar_sb3.envs.settings import TaskSettings, check_share
 from hexwar_sb3.envs.task_games import Obs, Span, TaskGames, action_space, observation_space
 from hexwar_sb3.play.arena import Snapshot
+from hexwar_sb3.play.lower_policy import Lower
 
 
 class TaskVecEnv(NativeVecEnv):
@@ -76,6 +77,11 @@ class TaskVecEnv(NativeVecEnv):
     def set_warm_start(self, share: float) -> None:
         """Share of the episodes, from the next ones on, that begin near the hot spots."""
         self.games.warm_start = check_share("warm_start", share)
+
+    @property
+    def lower_level(self) -> Lower:
+        """Who leads the learner's pieces."""
+        return self.games.lower
 
     def set_lower(self, lower: object) -> None:
         """Another lower level for the learner's pieces: "heuristic", a folder, a network, or a callable."""

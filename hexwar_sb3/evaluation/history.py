@@ -13,7 +13,7 @@ from hexwar_sb3.evaluation.panel import Panel
 from hexwar_sb3.evaluation.results import CampResult
 from hexwar_sb3.files import replacing
 
-KEYS = ("timesteps", "results", "successes", "points_held")
+KEYS = ("timesteps", "game_ticks", "results", "successes", "points_held")
 
 
 @dataclass
@@ -21,15 +21,18 @@ class History:
     """Evaluations in the order in which they were made; the same number of games each time.
 
     The file has the keys of Stable-Baselines3's `evaluations.npz`: `timesteps` [evaluation],
-    `results` (margins) and `successes` (1, 0.5, 0) [evaluation, game]; and `points_held`.
+    `results` (margins) and `successes` (1, 0.5, 0) [evaluation, game]; and `points_held`, and `game_ticks`, the game
+    time of all levels until then.
     """
 
     timesteps: list[int] = field(default_factory=list)
+    game_ticks: list[int] = field(default_factory=list)
     results: list[CampResult] = field(default_factory=list)
 
-    def add(self, timesteps: int, panel: Panel) -> CampResult:
+    def add(self, timesteps: int, game_ticks: int, panel: Panel) -> CampResult:
         """Append the games of a panel and return them, joined."""
         self.timesteps.append(timesteps)
+        self.game_ticks.append(game_ticks)
         self.results.append(panel.total)
         return panel.total
 
@@ -39,6 +42,7 @@ class History:
             np.savez_compressed(
                 temporary,
                 timesteps=np.array(self.timesteps),
+                game_ticks=np.array(self.game_ticks),
                 results=np.array([result.margins for result in self.results]),
                 successes=np.array([result.scores for result in self.results]),
                 points_held=np.array([result.points_held for result in self.results]),
@@ -53,11 +57,12 @@ class History:
         """
         try:
             with path.open("rb") as file, np.load(file, allow_pickle=False) as data:
-                timesteps, margins, scores, points = (data[key] for key in KEYS)
+                timesteps, ticks, margins, scores, points = (data[key] for key in KEYS)
         except (OSError, ValueError, KeyError, EOFError, BadZipFile) as error:
             raise FileFormatError(path, "file", found=str(error), expected=f"arrays {KEYS}") from error
         rows = [i for i, step in enumerate(timesteps) if until is None or step <= until]
         return cls(
             [int(timesteps[i]) for i in rows],
+            [int(ticks[i]) for i in rows],
             [CampResult(scores[i], margins[i], points[i]) for i in rows],
         )

@@ -8,17 +8,21 @@ from typing import Any
 
 from hexwar_sb3.checks import check_whole
 from hexwar_sb3.engine.replay import Replay
+from hexwar_sb3.errors import PolicyFileError
 from hexwar_sb3.evaluation.matches import check_games, play_match
 from hexwar_sb3.evaluation.results import CampResult, MatchResult
 from hexwar_sb3.evaluation.seeds import Purpose, seed_for
+from hexwar_sb3.play.player import make_player
 from hexwar_sb3.play.recording import record_game
 from hexwar_sb3.play.records import DECISION_TICKS
 from hexwar_sb3.tasks.spots import SPOTS
 
 CAMPS = ("red", "blue")
+BOTS = ("MA1", "MA2")  # that every player is measured against
 CONSTANT_PLANS = ("all-main", "half-half", "two-hold")
 """Players that follow one fixed plan; every table shows them beside a learned one."""
 
+MAX_DIGITS = 6  # of a number in a policy's folder
 Cell = tuple[str, str]  # opponent, camp of the player
 
 
@@ -45,6 +49,12 @@ class Terms:
         check_whole("decision_ticks", self.decision_ticks, least=1)
         seed_for(self.purpose, self.seed)
 
+    def about(self) -> dict[str, str]:
+        """What a policy's folder says of how it was trained, so that `trained_terms` finds it."""
+        early = "yes" if self.early else "no"
+        numbers = {"decision_ticks": str(self.decision_ticks), "spots": str(self.spots)}
+        return {"scenario": self.scenario, **numbers, "early": early}
+
     def play(self, red: object, blue: object) -> MatchResult:
         """Play one cell."""
         return play_match(
@@ -68,6 +78,26 @@ class Terms:
             "early": self.early,
         }
         return record_game(red, blue, self.scenario, seed, **how)
+
+
+def trained_terms(player: object) -> dict[str, Any]:
+    """Scenario, decision ticks, spots and early decisions of a policy's training, as far as its folder says.
+
+    Raises:
+        PolicyFileError: a number of it is none; and as `make_player`.
+    """
+    about = getattr(make_player(player), "about", {})
+    terms: dict[str, Any] = {"scenario": about["scenario"]} if "scenario" in about else {}
+    for name in ("decision_ticks", "spots"):
+        if name in about:
+            terms[name] = _whole(str(player), name, about[name])
+    return {**terms, "early": about.get("early") == "yes"}
+
+
+def _whole(folder: str, name: str, text: str) -> int:
+    if not text.isdecimal() or len(text) > MAX_DIGITS:
+        raise PolicyFileError(folder, f"about.{name}", found=repr(text[:40]), expected="a whole number")
+    return int(text)
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from hexwar_sb3.evaluation.intervals import Estimate
+from hexwar_sb3.evaluation.panel import BOTS
 from hexwar_sb3.experiments.runs import FLAT_DQN, TASK_PPO, Budget, Places, Run, baseline_run, hrl_run
 from hexwar_sb3.experiments.spread import seed_difference, spread
 from hexwar_sb3.play.records import DECISION_TICKS
@@ -17,7 +18,6 @@ from hexwar_sb3.play.records import DECISION_TICKS
 NAME, BASE = "ablation", "base"
 GAMES = 5_000  # fewer than a whole training has: what slows learning shows, and so do more seeds
 FINAL_GAMES = 700  # three seeds have 2,100 a cell
-OPPONENTS = ("MA1", "MA2")
 QUANTITIES = ("win_rate", "mean_margin", "points_held")
 HEADS = ("row", "against", "seeds", "win rate, %", "mean margin", "points held", "margin minus base")
 
@@ -102,7 +102,7 @@ def summary(all_runs: Sequence[Run], places: Places) -> list[dict[str, Any]]:
             "commands": [run.command for run in there[row]],
             "against": {
                 opponent: _against(opponent, figures[row], figures.get(BASE, []))
-                for opponent in OPPONENTS
+                for opponent in BOTS
                 if there[row]
             },
         }
@@ -114,7 +114,7 @@ def figures_of(kept: Path) -> dict[tuple[str, str], float]:
     """Figures of the trained player on a page by (opponent, quantity); both colours together."""
     page = json.loads((kept / "page.json").read_text(encoding="utf-8"))
     figures = {}
-    for opponent in OPPONENTS:
+    for opponent in BOTS:
         cells = [row for row in page["rows"] if (row["player"], row["opponent"]) == ("trained", opponent)]
         for quantity in QUANTITIES:
             figures[opponent, quantity] = sum(_value(cell, quantity) for cell in cells) / len(cells)

@@ -42,7 +42,7 @@ def carry_out(runs: Sequence[Run], places: Places, *, jobs: int = 1, say: Say = 
                     say(f"{run.name}: failed with exit code {code}; see {places.log(run)}")
             if running:
                 sleep(POLL_SECONDS)
-    except KeyboardInterrupt:
+    except BaseException:  # a full disk, say, must not leave trainings without a parent
         stop(running.values())
         raise
     finally:

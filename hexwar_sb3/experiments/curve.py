@@ -31,17 +31,16 @@ def by_opponent(result: CampResult, opponents: Sequence[str]) -> dict[str, CampR
 def curve_rows(
     history: History, opponents: Sequence[str], *, decision_ticks: int | None, game_ticks: int
 ) -> Iterator[dict[str, Any]]:
-    """One row an evaluation and opponent.
+    """One row an evaluation and opponent. Games are those of the upper level, game ticks those of all levels.
 
     Args:
         history: of the run.
         opponents: that it was evaluated against, in this order.
-        decision_ticks: ticks of an env step; None where they vary, then games and ticks stay empty.
+        decision_ticks: ticks of an env step; None where they vary, then games stay empty.
         game_ticks: ticks of a game.
     """
-    for steps, result in zip(history.timesteps, history.results, strict=True):
-        ticks = None if decision_ticks is None else steps * decision_ticks
-        games = None if ticks is None else ticks // game_ticks
+    for steps, ticks, result in zip(history.timesteps, history.game_ticks, history.results, strict=True):
+        games = None if decision_ticks is None else steps * decision_ticks // game_ticks
         for name, part in {ALL: result, **by_opponent(result, opponents)}.items():
             rate, margin = part.win_rate, part.mean_margin
             figures = (rate.value, rate.low, rate.high, margin.value, margin.low, margin.high)

@@ -12,17 +12,17 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from hexwar_sb3.algorithms.presets import PRESETS
-from hexwar_sb3.engine.world import load_world
+from hexwar_sb3.evaluation.panel import BOTS
 from hexwar_sb3.experiments.curve import read_curve
 from hexwar_sb3.experiments.runs import FLAT_DQN, Budget, Places, Run, baseline_run, hrl_run
 from hexwar_sb3.files import replacing
+from hexwar_sb3.maps.files import load_scenario
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 NAME, GAMES, FINAL_GAMES = "fig7", 10_000, 2_000
 SCENARIOS = ("plain", "hills", "paddy")  # the first with all seeds, the others with the first seed
-OPPONENTS = ("MA1", "MA2")
 METHODS = {"hrl": "HRL", "dqn": "DQN"}
 QUANTITIES = (("win_rate", "win rate"), ("mean_margin", "mean margin, points"))
 
@@ -39,7 +39,7 @@ def runs(budget: Budget, seeds: Sequence[int]) -> list[Run]:
 
 def pair(scenario: str, seed: int, budget: Budget) -> tuple[Run, Run]:
     """The two methods on equal terms: the same opponents, and as many game ticks of all levels together."""
-    game = load_world(scenario).scenario.game_ticks
+    game = load_scenario(scenario).game_ticks
     games = budget.games + math.ceil(PRESETS["default"].lower_ticks(budget.games * game) / game)
     return (
         hrl_run(NAME, f"hrl-{scenario}", seed, budget, scenario=scenario),
@@ -63,24 +63,31 @@ def draw(all_runs: Sequence[Run], places: Places, path: Path) -> None:
     figure = Figure(figsize=(16, 3.6 * max(1, len(scenarios))), layout="constrained")
     FigureCanvasAgg(figure)
     grid = figure.subplots(max(1, len(scenarios)), 4, squeeze=False)
-    columns = [(opponent, *quantity) for opponent in OPPONENTS for quantity in QUANTITIES]
+    columns = [(opponent, *quantity) for opponent in BOTS for quantity in QUANTITIES]
     for i, scenario in enumerate(scenarios):
+        game_ticks = load_scenario(scenario).game_ticks
         for axes, (opponent, quantity, label) in zip(grid[i], columns, strict=True):
             for method in METHODS:
                 kept = [places.kept(run) for run in there if run.row == f"{method}-{scenario}"]
-                _draw_method(axes, method, kept, opponent, quantity)
+                _draw_method(axes, method, kept, opponent, quantity, game_ticks)
             _dress(axes, f"{scenario}, against {opponent}", label)
     with replacing(path) as temporary:
         figure.savefig(temporary, dpi=100)
 
 
-def _draw_method(axes: Axes, method: str, kept: list[Path], opponent: str, quantity: str) -> None:
-    """Draw the mean over seeds; the band reaches from the lowest to the highest seed, or is a single seed's interval."""
+def _draw_method(
+    axes: Axes, method: str, kept: list[Path], opponent: str, quantity: str, game_ticks: int
+) -> None:
+    """Draw the mean over seeds; the band reaches from the lowest to the highest seed, or is a single seed's interval.
+
+    Both levels' game time counts, in games of the length of the scenario's.
+    """
     if not kept:
         return
     curves = [read_curve(folder / "curve.csv", opponent) for folder in kept]
-    games = curves[0]["games"]
-    values = np.array([np.interp(games, curve["games"], curve[quantity]) for curve in curves])
+    ticks = curves[0]["game_ticks"]
+    values = np.array([np.interp(ticks, curve["game_ticks"], curve[quantity]) for curve in curves])
+    games = np.array(ticks) / game_ticks
     low, high = values.min(axis=0), values.max(axis=0)
     if len(curves) == 1:
         low, high = (np.array(curves[0][f"{quantity}_{end}"]) for end in ("low", "high"))
@@ -97,7 +104,7 @@ def _label(method: str, kept: list[Path]) -> str:
 
 def _dress(axes: Axes, title: str, label: str) -> None:
     axes.set_title(title)
-    axes.set_xlabel("episodes")
+    axes.set_xlabel("episodes, of both levels")
     axes.set_ylabel(label)
     axes.grid(alpha=0.3)
     if label == QUANTITIES[0][1]:

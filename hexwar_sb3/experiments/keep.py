@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import json
 import shutil
 from collections.abc import Iterator
@@ -14,7 +13,7 @@ from hexwar_sb3.evaluation.history import History
 from hexwar_sb3.experiments.curve import curve_rows, write_curve
 from hexwar_sb3.experiments.runs import Run
 
-FILES = ("page.txt", "config.json")
+FILES = ("page.txt", "page.json", "config.json")
 
 
 def keep(run: Run, folder: Path, kept: Path) -> None:
@@ -27,25 +26,8 @@ def keep(run: Run, folder: Path, kept: Path) -> None:
     if (folder / "policy").is_dir():
         shutil.copytree(folder / "policy", new / "policy")
     (new / "command.txt").write_text(run.command + "\n", encoding="utf-8")
-    (new / "page.json").write_text(json.dumps(page_of(folder), indent=2) + "\n", encoding="utf-8")
     write_curve(new / "curve.csv", _curve_of(folder))
     new.rename(kept)
-
-
-def page_of(folder: Path) -> dict[str, object]:
-    """Figures of the page; its minutes are those of all parts, where the run was broken off and gone on with."""
-    page: dict[str, object] = json.loads((folder / "page.json").read_text(encoding="utf-8"))
-    parts = sorted(folder.glob("progress*.csv"))
-    if len(parts) > 1:
-        page["minutes"] = sum(_seconds(part) for part in parts) / 60
-    return page
-
-
-def _seconds(progress: Path) -> float:
-    """Wall time of a part of a training by its log."""
-    with progress.open(encoding="utf-8", newline="") as file:
-        times = [float(row.get("time/time_elapsed") or 0.0) for row in csv.DictReader(file)]
-    return max(times, default=0.0)
 
 
 def _curve_of(folder: Path) -> Iterator[dict[str, Any]]:

@@ -33,7 +33,6 @@ FORMAT = PolicyFormat(
     },
 )
 SIZES = {"state": ROUTE_WIDTH, "hidden1": HIDDEN, "hidden2": HIDDEN, "answers": N_ANSWERS}
-N_NUMBERS = sum(int(np.prod([SIZES[axis] for axis in axes])) for axes in FORMAT.layers.values())
 FEATURES = hashlib.sha256(repr(ROUTE).encode()).hexdigest()[:16]  # of the state that it reads
 
 Answerer: TypeAlias = Callable[[NDArray[np.float32], NDArray[np.int8]], NDArray[Any]]
@@ -79,27 +78,6 @@ class FrozenLower:
             row[f"bias{k}"] = self.weights[f"layer{k}.bias"]
         row["ways"], row["tie"] = self.ways, self.tie
         return row
-
-    def numbers(self) -> NDArray[np.float32]:
-        """All weights in one row, in the order of FORMAT."""
-        return np.concatenate([self.weights[name].ravel() for name in FORMAT.layers])
-
-    @classmethod
-    def of_numbers(cls, numbers: NDArray[np.float32], *, ways: bool, tie: float) -> FrozenLower:
-        """Make a network of what `numbers` gave.
-
-        Raises:
-            ConfigError: there are too many or too few.
-        """
-        if numbers.shape != (N_NUMBERS,):
-            raise ConfigError(f"a lower level has {N_NUMBERS} weights, got {numbers.shape}")
-        shapes = [tuple(SIZES[axis] for axis in axes) for axes in FORMAT.layers.values()]
-        ends = np.cumsum([np.prod(shape) for shape in shapes])
-        parts = np.split(numbers, ends[:-1])
-        weights = {
-            name: part.reshape(shape) for name, part, shape in zip(FORMAT.layers, parts, shapes, strict=True)
-        }
-        return cls(weights, ways=ways, tie=tie)
 
     def q_values(self, states: NDArray[np.float32]) -> NDArray[np.float32]:
         """Values of all answers, valid or not: [n, Dl] -> [n, 7]."""

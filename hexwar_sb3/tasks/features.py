@@ -211,7 +211,9 @@ def markdown() -> str:
     """The docs' index of features: one table a vector."""
     lines: list[str] = []
     for vector, groups in VECTORS.items():
-        lines += [f"## {vector}", "", "| of | feature | numbers | scale | source |", "|---|---|---|---|---|"]
+        width = _width(groups, _counts(7, 7, 2))
+        lines += [f"## {vector}", "", f"{width} numbers with 7 pieces a camp and 2 control points.", ""]
+        lines += ["| of | feature | numbers | scale | source |", "|---|---|---|---|---|"]
         for group in groups:
             lines += [_markdown_row(group, feature) for feature in group.features]
         lines.append("")

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 import torch
 from stable_baselines3.common.callbacks import BaseCallback
+from stable_baselines3.common.logger import Logger
 from stable_baselines3.common.vec_env import VecEnv
 
 from hexwar_sb3.algorithms import hierarchical
@@ -20,7 +21,7 @@ from hexwar_sb3.algorithms.presets import PRESETS
 from hexwar_sb3.algorithms.qmix import QMIX
 from hexwar_sb3.envs.registration import make_vec_env
 from hexwar_sb3.errors import CheckpointError, ConfigError
-from hexwar_sb3.play.lower_policy import HEURISTIC_LOWER, FrozenLower
+from hexwar_sb3.play.lower_policy import HEURISTIC_LOWER, FrozenLower, fastest_way_network
 from hexwar_sb3.play.match import play_games
 from hexwar_sb3.play.routes import RouteResult
 from hexwar_sb3.policies.masked import MaskedDQNPolicy
@@ -137,7 +138,8 @@ def test_one_zip_holds_both_levels(unbroken: tuple[HierarchicalQMIX, Watch], tmp
     assert loaded.leads
     assert isinstance(loaded.policy.lower, FrozenLower)
     assert isinstance(trained.policy.lower, FrozenLower)
-    assert loaded.policy.lower.numbers().tolist() == trained.policy.lower.numbers().tolist()
+    for name, weights in trained.policy.lower.weights.items():
+        assert np.array_equal(loaded.policy.lower.weights[name], weights)
 
 
 def test_the_frozen_policy_has_the_lower_level(
@@ -214,11 +216,57 @@ def test_without_lower_phases_it_is_qmix() -> None:
         ({"lower_kwargs": {"gamma": 1.5}}, r"gamma must be in \[0, 1\], got 1.5"),
         ({"route_kwargs": {"alpha": -1.0}}, "alpha must be finite and at least 0"),
         ({"route_kwargs": {"beta": 1.0}}, r"beta must be in \[0, 1\)"),
+        ({"route_kwargs": {"n_envs": 2, "scenario": ["plain", "hills", "paddy"]}}, "n_envs of the route env"),
+        ({"lower_kwargs": {"policy_kwargs": {"net_arch": [32, 32]}}}, "no network for the drive loop"),
+        ({"lower_kwargs": {"policy_kwargs": {"activation_fn": torch.nn.Tanh}}}, "ReLU .* got Tanh"),
     ],
 )
 def test_settings_out_of_range_are_refused_at_once(options: dict[str, Any], message: str) -> None:
     with pytest.raises(ConfigError, match=message):
         model(**options)
+
+
+def test_a_policy_is_led_as_its_games_were() -> None:
+    """Trained over another's lower level, the frozen copy plays over that one; a model that has its own keeps it."""
+    network = fastest_way_network()
+    env = make_vec_env(n_envs=1, lower=network, privileged_state=True)
+
+    for trained in (
+        QMIX("TaskPolicy", env, buffer_size=10),
+        HierarchicalQMIX("HierarchicalPolicy", env, buffer_size=10, phase_ticks=(1, 0)),
+    ):
+        assert trained.policy.freeze().lower is network
+        trained.set_env(make_vec_env(n_envs=1, privileged_state=True))
+        assert trained.policy.freeze().lower == HEURISTIC_LOWER
+
+    leading = HierarchicalQMIX("HierarchicalPolicy", env, buffer_size=10, takeover=0.0)
+    leading.set_logger(Logger(folder=None, output_formats=[]))
+    leading._let_lead(network)
+    leading.set_env(make_vec_env(n_envs=1, privileged_state=True))
+    assert leading.policy.freeze().lower is network
+
+
+def test_the_route_env_has_the_task_envs_settings() -> None:
+    env = make_vec_env(n_envs=1, spots=3, decisions="event", decision_ticks=150, privileged_state=True)
+    owner = HierarchicalQMIX("HierarchicalPolicy", env, buffer_size=10)
+
+    route = owner._route_env().get_attr("settings")[0]
+
+    assert (route.spots, route.decisions, route.decision_ticks) == (3, "event", 150)
+
+
+def test_a_route_env_of_your_own_says_what_the_lower_level_reads() -> None:
+    own = make_vec_env("HexWarRoute-v0", n_envs=2, ways=False, beta=0.2)
+
+    owner = model(lower_env=own, route_kwargs={})
+
+    assert not owner.frozen_lower().ways
+    assert owner.frozen_lower().tie == pytest.approx(0.4 * 0.2)
+
+
+def test_without_a_potential_the_lower_level_looks_farther() -> None:
+    assert model(lower_kwargs={}).lower.gamma == 0.9
+    assert model(lower_kwargs={}, route_kwargs={**LEVELS["route_kwargs"], "ways": False}).lower.gamma == 0.98
 
 
 def test_a_zip_of_other_levels_says_who_reads_it(tmp_path: Path) -> None:

@@ -213,6 +213,29 @@ def test_only_small_features_are_stored_in_half_precision() -> None:
     assert replay(bound=1e5).obs["tasks"].dtype == np.float32
 
 
+def test_a_snapshot_of_other_games_or_too_large_is_refused() -> None:
+    buffer = replay()
+    add(buffer, 1)
+    parts = buffer.snapshot()
+
+    games = {**parts, "reward": np.zeros((len(parts["reward"]) + 1, 1), np.float32)}
+    rows = {**parts, "reward": np.zeros((len(parts["reward"]), 999), np.float32)}
+    for broken in (games, rows):
+        with pytest.raises(ConfigError, match="the stored replay holds"):
+            buffer.restore(broken)
+
+
+def test_what_was_in_a_buffer_is_gone_after_a_restore() -> None:
+    short, long = replay(), replay()
+    add(short, 1)
+    for moment in range(1, 9):
+        add(long, moment)
+
+    long.restore(short.snapshot())
+
+    assert len(long) == len(short)
+
+
 @pytest.mark.parametrize("steps", [3, 19, 20, 45])
 def test_a_snapshot_restores_everything(steps: int) -> None:
     buffer, other = replay(), replay()

@@ -42,6 +42,20 @@ def test_a_length_that_is_none_is_refused(steps: float) -> None:
         small_replay(2).add(*row(2), [{"steps": steps}, {}])
 
 
+def test_no_return_crosses_a_reset() -> None:
+    replay = small_replay(1)
+    replay.n_steps = 2
+    replay.cut_short()  # nothing is running yet
+    for reward in (1.0, 10.0):
+        replay.add(*row(1, reward=reward), [{}])
+        replay.cut_short()
+
+    sample = replay.sample(50)
+
+    assert sorted(set(sample.rewards.flatten().tolist())) == [1.0, 10.0]
+    assert not sample.dones.any()
+
+
 @pytest.mark.parametrize("written", [3, 5, 7], ids=["part", "full", "over"])
 def test_a_replay_comes_back_with_the_rows_that_were_written(written: int) -> None:
     replay, other = small_replay(2), small_replay(2)

@@ -23,6 +23,14 @@ def test_the_settings_of_a_run_come_back(tmp_path: Path) -> None:
     assert settings_from(folder) == settings
 
 
+def test_minutes_of_earlier_parts_count(tmp_path: Path) -> None:
+    """A resumed run keeps the logs of its earlier parts as progress_k.csv."""
+    for name, seconds in (("progress_1.csv", 240), ("progress_2.csv", 30), ("progress.csv", 60)):
+        (tmp_path / name).write_text(f"time/time_elapsed,x\n5,\n{seconds},\n,7\n", encoding="utf-8")
+
+    assert RunFolder(tmp_path).minutes_before() == 4.5
+
+
 @pytest.mark.parametrize(
     ("text", "message"),
     [

@@ -8,6 +8,7 @@ import signal
 import subprocess
 import sys
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import cast
 
@@ -17,14 +18,18 @@ from safetensors.numpy import load_file
 from hexwar_sb3.algorithms.checkpoint import save_checkpoint
 from hexwar_sb3.algorithms.hierarchical import HierarchicalQMIX
 from hexwar_sb3.algorithms.qmix import QMIX
-from hexwar_sb3.commands.page import players_of
 from hexwar_sb3.commands.run_folder import RunFolder
-from hexwar_sb3.commands.train import Train
+from hexwar_sb3.commands.train import LOWER_SCENARIOS, Train
+from hexwar_sb3.commands.training import make_env, new_model, players_of
 from hexwar_sb3.envs.registration import make_vec_env
+from hexwar_sb3.envs.route_settings import route_settings
+from hexwar_sb3.errors import ConfigError
 from hexwar_sb3.evaluation.history import History
 from hexwar_sb3.evaluation.panel import CONSTANT_PLANS
+from hexwar_sb3.maps.files import load_scenario, save_scenario
 from hexwar_sb3.play.frozen import FrozenPolicy
 from hexwar_sb3.play.lower_policy import fastest_way_network
+from hexwar_sb3.rules.enums import PieceType
 
 Command = Callable[..., tuple[int, str, str]]
 
@@ -90,6 +95,59 @@ def test_a_policy_with_a_learned_lower_level_stands_beside_itself_over_the_heuri
         assert len(others) == rows
         assert all(cast("FrozenPolicy", players[name]).lower == "heuristic" for name in others)
     assert {*players_of(Train(), folder)} == {*players, *CONSTANT_PLANS}
+
+
+def test_the_lower_level_learns_on_maps_that_the_upper_one_fits(tmp_path: Path) -> None:
+    plain = load_scenario("plain")
+    ground = tuple(piece for piece in plain.pieces if piece.kind != PieceType.AEROCRAFT)
+    save_scenario(replace(plain, pieces=ground), tmp_path / "ground.scenario.json", "plain")
+    mine = str(tmp_path / "ground.scenario.json")
+
+    assert Train(scenario=mine).route["scenario"] == [mine]
+    assert Train(scenario="plain").route["scenario"] == [
+        "plain",
+        *(name for name in LOWER_SCENARIOS if name != "plain"),
+    ]
+    with pytest.raises(ConfigError, match=r"plain has \(7, 7, 2\) pieces .* has \(6, 6, 2\)"):
+        Train(scenario=mine, lower_scenarios=("plain",)).run()
+
+
+def test_a_training_that_starts_from_a_model_has_games_of_its_own(tmp_path: Path) -> None:
+    first = Train(seed=1)
+    new_model(first, make_env(first)).save(tmp_path / "model.zip")
+
+    second = Train(seed=2, trained_agent=tmp_path / "model.zip")
+    model = new_model(second, make_env(second))
+
+    assert model.seed == 2
+
+
+def test_a_checkpoint_comes_after_what_else_is_due(
+    hexwar: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A run that is stopped by the checkpoint has kept the evaluation of the same step."""
+    monkeypatch.setattr("hexwar_sb3.callbacks.checkpoint.save_checkpoint", save_and_press_ctrl_c)
+    folder = tmp_path / "commander_1"
+
+    hexwar(
+        "train", *SMALL, "-n", "400", "--save-freq", "200", "--lower", "heuristic", "--runs", str(tmp_path)
+    )
+    hexwar("train", "--resume", str(folder))
+
+    assert [step // 200 for step in History.load(folder / "evaluations.npz").timesteps] == [0, 1, 2]
+
+
+def test_the_papers_preset_sets_both_levels() -> None:
+    """Section IV: "learn rate lr=0.1 and update timestep a=0.1", epsilon from 0.5 to 0.05."""
+    settings = Train(preset="paper", seed=1)
+    model = new_model(settings, make_env(settings))
+
+    for level in (model, model.lower):
+        assert (level.learning_rate, level.tau) == (0.1, 0.1)
+        assert (level.exploration_initial_eps, level.exploration_final_eps) == (0.5, 0.05)
+    assert (model.gamma, model.n_steps, model.tie, model.n_envs) == (1.0, 1, 0.0, 16)
+    route = route_settings(model.route_kwargs)
+    assert (route.alpha, route.beta, route.beta_per, route.is_shaped) == (0.01, 0.05, "hop", False)
 
 
 def test_a_resumed_training_ends_with_the_weights_of_an_unbroken_one(

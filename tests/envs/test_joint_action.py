@@ -12,7 +12,10 @@ from numpy.typing import NDArray
 from pettingzoo import ParallelEnv
 from pettingzoo.test import parallel_api_test
 from stable_baselines3.common.env_checker import check_env
+from stable_baselines3.common.env_util import make_vec_env
 
+from hexwar_sb3.algorithms.qmix import QMIX
+from hexwar_sb3.algorithms.replay import situation_of
 from hexwar_sb3.envs.joint_action import JointActionEnv
 from hexwar_sb3.envs.matrix_games import CLIMBING, ROUNDS, RepeatedGame, TwoStepGame
 from hexwar_sb3.errors import ConfigError, UnknownNameError
@@ -63,6 +66,31 @@ class UnevenGame(ParallelEnv):  # type: ignore[misc]  # PettingZoo ships no type
         cut = dict.fromkeys(self.agents, self.moment == 3)
         self.agents = [name for name in self.agents if not ended[name] and not cut[name]]
         return seen, rewards, ended, cut, infos
+
+
+class Endless(ParallelEnv):  # type: ignore[misc]  # PettingZoo ships no types
+    """Two agents get 1 a step, whatever they do; cut after five."""
+
+    metadata = {"name": "endless_v0"}  # noqa: RUF012
+    possible_agents = ["a", "b"]  # noqa: RUF012
+
+    def observation_space(self, agent: str) -> spaces.Space[Any]:
+        return spaces.Box(0.0, 1.0, (1,))
+
+    def action_space(self, agent: str) -> spaces.Discrete:
+        return spaces.Discrete(2)
+
+    def reset(self, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, Any]:
+        self.agents, self.moment = ["a", "b"], 0
+        return dict.fromkeys(self.agents, np.ones(1, np.float32)), {"a": {}, "b": {}}
+
+    def step(self, actions: dict[str, int]) -> tuple[Any, Any, Any, Any, Any]:
+        self.moment += 1
+        cut = self.moment == 5
+        self.agents = [] if cut else ["a", "b"]
+        each = dict.fromkeys(self.possible_agents, 1.0)
+        seen = dict.fromkeys(self.possible_agents, np.ones(1, np.float32))
+        return seen, each, dict.fromkeys(each, False), dict.fromkeys(each, cut), {"a": {}, "b": {}}
 
 
 def space_of(env: JointActionEnv) -> spaces.Dict:
@@ -143,6 +171,40 @@ def test_a_cut_game_is_truncated_a_finished_one_terminated() -> None:
     game.reset()
     ends = [game.step(np.array([0, 0]))[2:4] for _ in range(ROUNDS)]
     assert ends == [(False, False)] * (ROUNDS - 1) + [(True, False)]
+
+
+def test_nobody_died_of_a_time_limit() -> None:
+    """What is seen last is valued: those who were cut off live on in it, with their masks; who left before does not."""
+    env = JointActionEnv(UnevenGame())
+    env.reset()
+    for _ in range(3):
+        obs, *_ = env.step(np.array([1, 0]))
+
+    assert obs["alive"].tolist() == [0.0, 1.0]
+    assert obs["action_mask"].tolist() == [[1, 0, 0], [1, 0, 1]]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("mixer", ["vdn", "qmix"])
+def test_a_game_without_an_end_is_worth_more_than_until_its_time_limit(mixer: str) -> None:
+    """1 a step for ever, discounted by 0.9, is worth 10; in the 5 steps until the cut it brings 4.1."""
+    env = make_vec_env(lambda: JointActionEnv(Endless()), n_envs=4, seed=0)
+    model = QMIX(
+        *("TaskPolicy", env, 2e-3, 2_000),
+        learning_starts=50,
+        batch_size=64,
+        tau=0.05,
+        gamma=0.9,
+        train_freq=(1, "step"),
+        mixer=mixer,
+        n_steps=2,
+        reward_scale=1.0,
+        seed=0,
+    ).learn(4_000)
+
+    start = situation_of(cast("dict[str, NDArray[Any]]", env.reset()), model.device)
+
+    assert model.learner.next_value(start).mean().item() == pytest.approx(10.0, abs=0.3)
 
 
 def test_the_state_may_be_left_out() -> None:

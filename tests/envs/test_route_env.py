@@ -218,7 +218,7 @@ def test_beta_may_be_charged_by_the_hop() -> None:
 def test_finishing_takes_no_time() -> None:
     for step in flat(played(make(3), 60)):
         if step.finished:
-            assert step.info["ticks"] == 0
+            assert step.info["steps"] == 0.0
             assert step.info["lower_reward"] == 1.0
 
 
@@ -446,6 +446,24 @@ def test_walks_to_random_cells_lead_far_and_tasks_alone_to_few_places() -> None:
             hop = games.play(heuristic({"obs": games.state, "action_mask": games.mask}))
             games.next_route(games.all[hop.over])
     assert len(goals[1.0]) > len(goals[0.0])
+
+
+def test_every_tick_of_the_games_is_in_some_info() -> None:
+    """Of the way, and of the time until the next piece asks: phases are counted in ticks."""
+    env = RouteVecEnv(2, route_settings({"opponent": "MA2"}), seed=1)
+    obs, fields = env.reset(), env.fields[0]
+    counted = fields.arena.state.games.tick.astype(np.int64)
+    for step in range(400):
+        episodes, before = fields.tasks.episodes.copy(), fields.arena.state.games.tick.copy()
+        obs, _, _, infos = env.step(pick(obs, step))  # type: ignore[assignment]
+        counted += [info["ticks"] for info in infos]
+        for b in np.flatnonzero(fields.tasks.episodes != episodes):
+            assert infos[b]["ticks"] >= 1800 - before[b]
+    ticks = fields.arena.state.games.tick
+    games = [[int(e) for e in range(fields.tasks.episodes.max() + 1) if e % 2 == b] for b in range(2)]
+
+    assert fields.tasks.episodes.max() > 2
+    assert counted.sum() == sum(1800 for played in games for _ in played) - (1800 - ticks).sum()
 
 
 def test_an_invalid_answer_stands_for_staying() -> None:
@@ -687,3 +705,13 @@ def test_a_bad_setting_is_named(setting: dict[str, Any], message: str) -> None:
 def test_an_unknown_name_is_refused(setting: dict[str, Any], message: str) -> None:
     with pytest.raises(UnknownNameError, match=message):
         make_vec_env(ROUTE_ENV, **setting)
+
+
+def test_an_upper_level_that_sends_nobody_anywhere_is_not_waited_for_without_end() -> None:
+    """A net that has just begun to learn says stop to all; with no walks of its own the env would wait for ever."""
+    env = RouteVecEnv(2, route_settings({"upper": Taskmaster(0), "wander": 0.0, "keep_task": 0.0}), seed=1)
+    obs: Obs = env.reset()
+    for _ in range(60):
+        obs, *_ = env.step(heuristic(obs))  # type: ignore[assignment]
+
+    assert env.fields[0].tasks.episodes.max() > 1

@@ -19,8 +19,8 @@ def panel(margin: float) -> Panel:
 @pytest.fixture
 def history() -> History:
     history = History()
-    history.add(100, panel(10.0))
-    history.add(200, panel(20.0))
+    history.add(100, 9_000, panel(10.0))
+    history.add(200, 18_000, panel(20.0))
     return history
 
 
@@ -29,14 +29,16 @@ def test_a_saved_history_comes_back(history: History, tmp_path: Path) -> None:
 
     loaded = History.load(tmp_path / "evaluations.npz")
 
-    assert loaded.timesteps == [100, 200]
+    assert (loaded.timesteps, loaded.game_ticks) == ([100, 200], [9_000, 18_000])
     assert [result.mean_margin.value for result in loaded.results] == [5.0, 10.0]
 
 
 def test_a_resumed_run_forgets_what_came_after_its_checkpoint(history: History, tmp_path: Path) -> None:
     history.save(tmp_path / "evaluations.npz")
 
-    assert History.load(tmp_path / "evaluations.npz", until=150).timesteps == [100]
+    loaded = History.load(tmp_path / "evaluations.npz", until=150)
+
+    assert (loaded.timesteps, loaded.game_ticks) == ([100], [9_000])
 
 
 def test_the_file_has_the_keys_of_stable_baselines3(history: History, tmp_path: Path) -> None:

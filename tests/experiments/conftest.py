@@ -55,7 +55,7 @@ def make_folder(places: Places) -> MakeFolder:
             (folder / name).write_text(text, encoding="utf-8")
         scores = np.array([1.0, 1.0, 1.0, 0.5, 0.0, 0.0, 1.0, 0.0])
         result = CampResult(scores, margin + np.arange(8.0), np.array([2, 2, 2, 1, 0, 0, 1, 0]))
-        History([0, 2400], [result, result]).save(folder / "evaluations.npz")
+        History([0, 2400], [0, 180_000], [result, result]).save(folder / "evaluations.npz")
         return folder
 
     return make

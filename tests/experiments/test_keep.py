@@ -1,6 +1,5 @@
 from __future__ import annotations
 
-import json
 from collections.abc import Callable
 from pathlib import Path
 
@@ -39,14 +38,3 @@ def test_a_broken_run_folder_leaves_no_results(places: Places, make_folder: Make
         keep(RUN, folder, places.kept(RUN))
 
     assert not places.is_kept(RUN)
-
-
-def test_minutes_are_those_of_all_parts_of_a_resumed_run(places: Places, make_folder: MakeFolder) -> None:
-    """A resumed run keeps the log of its first part as progress_1.csv; its page counts the last part alone."""
-    folder = make_folder(RUN, minutes=1.0)
-    for name, seconds in (("progress_1.csv", 240), ("progress.csv", 60)):
-        (folder / name).write_text(f"time/time_elapsed,x\n5,\n{seconds},\n,7\n", encoding="utf-8")
-
-    keep(RUN, folder, places.kept(RUN))
-
-    assert json.loads((places.kept(RUN) / "page.json").read_text(encoding="utf-8"))["minutes"] == 5.0

@@ -17,7 +17,11 @@ def test_the_feature_page_is_the_feature_table(root: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    "page", ["README.md", "CONTRIBUTING.md", "docs/glossary.md", "docs/players.md", "docs/seeds.md"]
+    "page",
+    [
+        *("README.md", "CONTRIBUTING.md", "results/README.md"),
+        *(f"docs/{name}.md" for name in ("glossary", "players", "recipes", "seeds")),
+    ],
 )
 def test_every_link_of_a_page_leads_somewhere(root: Path, page: str) -> None:
     text = (root / page).read_text(encoding="utf-8")

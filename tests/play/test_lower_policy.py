@@ -23,7 +23,6 @@ from hexwar_sb3.play.lower_policy import (
     FEATURES,
     FORMAT,
     HEURISTIC_LOWER,
-    N_NUMBERS,
     SIZES,
     FrozenLower,
     check_answers,
@@ -84,7 +83,8 @@ def with_lower(policy: FrozenPolicy, lower: Any) -> FrozenPolicy:
 
 def same(one: FrozenLower, other: object) -> bool:
     assert isinstance(other, FrozenLower)
-    return (one.ways, one.tie) == (other.ways, other.tie) and np.array_equal(one.numbers(), other.numbers())
+    alike = [np.array_equal(one.weights[name], other.weights[name]) for name in FORMAT.layers]
+    return (one.ways, one.tie) == (other.ways, other.tie) and all(alike)
 
 
 def test_it_comes_back_from_its_folder(lower: FrozenLower, folder: Path) -> None:
@@ -109,21 +109,6 @@ def test_of_values_that_are_nearer_than_a_tie_the_first_valid_one_counts(tie: fl
 def test_a_tie_out_of_range_is_refused(tie: float) -> None:
     with pytest.raises(ConfigError, match="tie must be finite and at least 0"):
         FrozenLower(random_weights(), tie=tie)
-
-
-@pytest.mark.parametrize("ways", [True, False])
-def test_it_comes_back_from_one_row_of_numbers(ways: bool) -> None:
-    lower = FrozenLower(random_weights(), ways=ways, tie=0.5)
-
-    numbers = lower.numbers()
-
-    assert numbers.shape == (N_NUMBERS,)
-    assert same(lower, FrozenLower.of_numbers(numbers, ways=ways, tie=0.5))
-
-
-def test_a_row_of_numbers_of_another_length_is_refused(lower: FrozenLower) -> None:
-    with pytest.raises(ConfigError, match=r"a lower level has \d+ weights, got \(\d+,\)"):
-        FrozenLower.of_numbers(lower.numbers()[:-1], ways=True, tie=0.0)
 
 
 def test_a_value_does_not_depend_on_the_batch(lower: FrozenLower) -> None:
