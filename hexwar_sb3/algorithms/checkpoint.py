@@ -22,7 +22,7 @@ from hexwar_sb3.algorithms.qmix import QMIX
 from hexwar_sb3.errors import CheckpointError
 from hexwar_sb3.files import replacing
 
-FORMAT = "hexwar checkpoint 2"
+FORMAT = "hexwar checkpoint 3"
 
 
 def save_checkpoint(model: QMIX, path: str | Path) -> None:

@@ -58,7 +58,8 @@ class StepReplay:
     """A ring of steps for each game, float16 where harmless.
 
     A row holds the observation of a step and what followed; the observation after it is the next row's.
-    An episode that was cut short ends with a row that holds its last observation only.
+    An episode that was cut short ends with a row that holds its last observation only. Of the task sets, most of
+    which is masked, the valid rows alone are kept.
 
     Args:
         buffer_size: steps of all games together.
@@ -82,10 +83,13 @@ class StepReplay:
         self.n_envs, self.rows, self.device, self.gamma = n_envs, max(buffer_size // n_envs, 2), device, gamma
         self.n_pieces, self.n_tasks = shapes.n_pieces, shapes.n_tasks
         size = (n_envs, self.rows)
-        self.obs = {
-            key: np.zeros((*size, *(box.shape or ())), _storage(box))
-            for key, box in cast("spaces.Dict", observation_space).items()
-        }
+        boxes = dict(cast("spaces.Dict", observation_space).items())
+        features = boxes.pop("tasks")
+        self.obs = {key: np.zeros((*size, *(box.shape or ())), _storage(box)) for key, box in boxes.items()}
+        self._none = np.zeros((0, shapes.task_dim), _storage(features))
+        self.sets = [self._none] * (
+            n_envs * self.rows
+        )  # valid rows of each step, of all pieces [n, task_dim]
         self.tasks = np.zeros((*size, shapes.n_pieces), np.int16)
         self.reward = np.zeros(size, np.float32)
         self.discount = np.zeros(size, np.float32)
@@ -133,8 +137,20 @@ class StepReplay:
         self.used = self.rows if (after < row).any() else max(self.used, int(after.max()) + 1)
 
     def _write(self, row: NDArray[np.int64], obs: Mapping[str, NDArray[Any]]) -> None:
+        game = np.arange(self.n_envs)
         for key, stored in self.obs.items():
-            stored[np.arange(self.n_envs), row] = obs[key]
+            stored[game, row] = obs[key]
+        self._keep_sets(game * self.rows + row, obs["action_mask"] != 0, obs["tasks"])
+
+    def _keep_sets(self, steps: NDArray[np.int64], mask: NDArray[np.bool_], tasks: NDArray[Any]) -> None:
+        """Keep the valid rows [B, N, K] of some steps [B]."""
+        self._split_sets(steps, mask, tasks[mask].astype(self._none.dtype))
+
+    def _split_sets(self, steps: NDArray[np.int64], mask: NDArray[np.bool_], valid: NDArray[Any]) -> None:
+        """Deal valid rows, step after step, out to their steps."""
+        ends = mask.sum(axis=(1, 2)).cumsum()
+        for step, start, end in zip(steps.tolist(), [0, *ends[:-1].tolist()], ends.tolist(), strict=True):
+            self.sets[step] = valid[start:end]
 
     def _check_tasks(self, row: NDArray[np.int64]) -> None:
         game = np.arange(self.n_envs)
@@ -221,24 +237,25 @@ class StepReplay:
         step = game * self.rows + row
         mask = _by_step(self.obs["action_mask"])[step].reshape(-1, self.n_tasks)
         piece, task = np.nonzero(mask)
-        wanted = (
-            step.repeat(self.n_pieces)[piece] * self.n_pieces + piece % self.n_pieces
-        ) * self.n_tasks + task
-        features = self.obs["tasks"].reshape(-1, self.obs["tasks"].shape[-1])
+        features = np.concatenate([self.sets[k] for k in step.tolist()])
         obs = self._tensor(_by_step(self.obs["obs"])[step])
         state = self._tensor(_by_step(self.obs["state"])[step]) if "state" in self.obs else obs.flatten(1)
         index = (torch.as_tensor(piece, device=self.device), torch.as_tensor(task, device=self.device))
-        sets = TaskSets(obs.flatten(0, 1), self._tensor(features.take(wanted, axis=0)), *index, self.n_tasks)
+        sets = TaskSets(obs.flatten(0, 1), self._tensor(features), *index, self.n_tasks)
         return Situation(sets, state, self._tensor(_by_step(self.obs["alive"])[step]))
 
     def _tensor(self, values: NDArray[Any]) -> Tensor:
         return torch.as_tensor(values, device=self.device).float()
 
     def snapshot(self) -> dict[str, NDArray[Any]]:
-        """Everything that is stored, by name, without rows that were never written and masked tasks."""
+        """Everything that is stored, by name, without rows that were never written."""
         parts = {name: array[:, : self.used] for name, array in self._arrays().items()}
-        parts["obs_tasks"] = parts["obs_tasks"][parts["obs_action_mask"] != 0]
-        return {**parts, "next_row": self.next_row}
+        sets = np.concatenate([self._none, *(self.sets[k] for k in self._used_steps())])
+        return {**parts, "sets": sets, "next_row": self.next_row}
+
+    def _used_steps(self) -> NDArray[np.int64]:
+        """Numbers of the steps that were ever written, game by game."""
+        return (np.arange(self.n_envs)[:, None] * self.rows + np.arange(self.used)).ravel()
 
     def restore(self, parts: Mapping[str, NDArray[Any]]) -> None:
         """Take over what `snapshot` gave.
@@ -253,10 +270,9 @@ class StepReplay:
         self.used = used
         self.is_step[:] = False
         for name, array in self._arrays().items():
-            if name != "obs_tasks":
-                array[:, : self.used] = parts[name]
-        valid = self.obs["action_mask"][:, : self.used] != 0
-        self.obs["tasks"][:, : self.used][valid] = parts["obs_tasks"]
+            array[:, : self.used] = parts[name]
+        mask = self.obs["action_mask"][:, : self.used].reshape(-1, self.n_pieces, self.n_tasks) != 0
+        self._split_sets(self._used_steps(), mask, parts["sets"])
         self.next_row = np.array(parts["next_row"])
 
     def _arrays(self) -> dict[str, NDArray[Any]]:

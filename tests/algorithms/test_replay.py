@@ -208,9 +208,17 @@ def test_nothing_can_be_drawn_from_an_empty_buffer() -> None:
         replay().sample(1, 1, np.random.default_rng(0))
 
 
+def test_masked_rows_are_not_kept() -> None:
+    buffer = replay()
+    for moment in (1, 2):  # all three tasks are valid at odd moments, two at even ones
+        add(buffer, moment)
+
+    assert [len(rows) for rows in buffer.sets if len(rows)] == [6, 4, 6] * GAMES
+
+
 def test_only_small_features_are_stored_in_half_precision() -> None:
-    assert replay(bound=1.0).obs["tasks"].dtype == np.float16
-    assert replay(bound=1e5).obs["tasks"].dtype == np.float32
+    assert replay(bound=1.0).sets[0].dtype == np.float16
+    assert replay(bound=1e5).sets[0].dtype == np.float32
 
 
 def test_a_snapshot_of_other_games_or_too_large_is_refused() -> None:
