@@ -112,11 +112,12 @@ def finish(name: str, runs: Sequence[Run], places: Places) -> list[Path]:
 
 
 def write_table(runs: Sequence[Run], places: Places, folder: Path) -> list[Path]:
-    """Write the table of the ablation as text and as JSON, and print it."""
+    """Write the table of the ablation as text and as JSON, print it, and draw it."""
     from hexwar_sb3.experiments.ablation import BASE, HEADS, SAYS, cells, summary
+    from hexwar_sb3.experiments.ablation_picture import draw
 
     rows = summary(runs, places)
-    text, figures = folder / "table.txt", folder / "table.json"
+    text, figures, picture = folder / "table.txt", folder / "table.json", folder / "ablation.png"
     counted = (
         "Mean over seeds [lowest, highest seed], both colours; win rate = (won + drawn / 2) / games.\n"
         f"Margin minus {BASE}: difference of the means over seeds with its 95 % interval (two-sample t)."
@@ -126,7 +127,8 @@ def write_table(runs: Sequence[Run], places: Places, folder: Path) -> list[Path]
     write_text(text, lines + "\n")
     write_text(figures, json.dumps(rows, indent=2) + "\n")
     print(lines)
-    return [text, figures]
+    draw(rows, runs, places, picture)
+    return [text, figures, picture]
 
 
 def _say(text: str) -> None:

@@ -21,6 +21,8 @@ FINAL_GAMES = 700  # three seeds have 2,100 a cell
 QUANTITIES = ("win_rate", "mean_margin", "points_held")
 HEADS = ("row", "against", "seeds", "win rate, %", "mean margin", "points held", "margin minus base")
 
+SAME_GAMES = "the same games; n steps, stickiness and the replay count decisions"
+
 
 @dataclass(frozen=True, kw_only=True)
 class Row:
@@ -43,8 +45,8 @@ ROWS = {
     "plain-epsilon": Row(says="random tasks are not kept", flags=("--stickiness", "0.0")),
     "only-ma1": Row(says="learns against MA1 alone", flags=("--opponents", "MA1")),
     "only-ma2": Row(says="learns against MA2 alone", flags=("--opponents", "MA2")),
-    "ticks-15": Row(says="Delta-t 15, the same games", decision_ticks=15),
-    "ticks-300": Row(says="Delta-t 300, the same games", decision_ticks=300),
+    "ticks-15": Row(says=f"Delta-t 15, {SAME_GAMES}", decision_ticks=15),
+    "ticks-300": Row(says=f"Delta-t 300, {SAME_GAMES}", decision_ticks=300),
     "gamma-1": Row(says="no discount, eq. (4)", flags=("--gamma", "1.0")),
     "paper-reward": Row(says="margin by eq. (1), Green counts", flags=("--reward", "paper")),
     "event-decisions": Row(
@@ -54,7 +56,7 @@ ROWS = {
     "spots-12": Row(says="12 cells of G^L", flags=("--spots", "12")),
     "lambda-08": Row(says="lambda-returns", flags=("--td-lambda", "0.8")),
     "single-q": Row(says="no double-Q", flags=("--double-q", "False")),
-    "paper-preset": Row(says="section IV to the letter", flags=("--preset", "paper")),
+    "paper-preset": Row(says="section IV to the letter, over the heuristic", flags=("--preset", "paper")),
 }
 BASELINES = {
     "flat-dqn": (FLAT_DQN, "no hierarchy: Stable-Baselines3's DQN on the flat env, as many games"),

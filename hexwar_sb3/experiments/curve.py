@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import csv
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from hexwar_sb3.evaluation.history import History
 from hexwar_sb3.evaluation.results import CampResult
@@ -65,3 +67,24 @@ def read_curve(path: Path, opponent: str) -> dict[str, list[float]]:
         rows = [row for row in csv.DictReader(file) if row["opponent"] == opponent]
     numbers = [head for head in HEADS if head != "opponent"]
     return {head: [float(row[head] or "nan") for row in rows] for head in numbers}
+
+
+@dataclass(frozen=True, eq=False)
+class Band:
+    """A quantity over the game time of all levels, over seeds; a row an evaluation."""
+
+    ticks: NDArray[np.float64]
+    mean: NDArray[np.float64]
+    low: NDArray[np.float64]  # of the lowest seed; of a single one, the end of its 95 % interval
+    high: NDArray[np.float64]
+
+
+def read_band(paths: Sequence[Path], opponent: str, quantity: str) -> Band:
+    """The curves of one or more seeds against one opponent, at the ticks of the first one."""
+    curves = [read_curve(path, opponent) for path in paths]
+    ticks = np.array(curves[0]["game_ticks"])
+    values = np.array([np.interp(ticks, curve["game_ticks"], curve[quantity]) for curve in curves])
+    low, high = values.min(axis=0), values.max(axis=0)
+    if len(curves) == 1:
+        low, high = (np.array(curves[0][f"{quantity}_{end}"]) for end in ("low", "high"))
+    return Band(ticks, values.mean(axis=0), low, high)

@@ -9,11 +9,9 @@ from pathlib import Path
 from statistics import fmean
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from hexwar_sb3.algorithms.presets import PRESETS
 from hexwar_sb3.evaluation.panel import BOTS
-from hexwar_sb3.experiments.curve import read_curve
+from hexwar_sb3.experiments.curve import read_band
 from hexwar_sb3.experiments.runs import FLAT_DQN, Budget, Places, Run, baseline_run, hrl_run
 from hexwar_sb3.files import replacing
 from hexwar_sb3.maps.files import load_scenario
@@ -84,16 +82,10 @@ def _draw_method(
     """
     if not kept:
         return
-    curves = [read_curve(folder / "curve.csv", opponent) for folder in kept]
-    ticks = curves[0]["game_ticks"]
-    values = np.array([np.interp(ticks, curve["game_ticks"], curve[quantity]) for curve in curves])
-    games = np.array(ticks) / game_ticks
-    low, high = values.min(axis=0), values.max(axis=0)
-    if len(curves) == 1:
-        low, high = (np.array(curves[0][f"{quantity}_{end}"]) for end in ("low", "high"))
-    color = f"C{list(METHODS).index(method)}"
-    axes.plot(games, values.mean(axis=0), color=color, marker="o", markersize=3, label=_label(method, kept))
-    axes.fill_between(games, low, high, color=color, alpha=0.25, linewidth=0)
+    band = read_band([folder / "curve.csv" for folder in kept], opponent, quantity)
+    games, color = band.ticks / game_ticks, f"C{list(METHODS).index(method)}"
+    axes.plot(games, band.mean, color=color, marker="o", markersize=3, label=_label(method, kept))
+    axes.fill_between(games, band.low, band.high, color=color, alpha=0.25, linewidth=0)
 
 
 def _label(method: str, kept: list[Path]) -> str:

@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from hexwar_sb3.experiments.ablation import HEADS, cells, runs, summary
+from hexwar_sb3.experiments.ablation_picture import draw
 from hexwar_sb3.experiments.runs import Budget, Places, choose
 
 MakeFolder = Callable[..., Path]
@@ -50,3 +51,18 @@ def test_a_row_without_results_is_missing_and_one_without_base_has_no_difference
     assert lines["iql"] == ["iql", "-", "0", "missing", "", "", ""]
     assert lines["vdn"][-1] == "- [-, -]"
     assert all(len(line) == len(HEADS) for line in lines.values())
+
+
+def test_the_picture_shows_the_rows_that_are_there(
+    places: Places, make_results: MakeFolder, tmp_path: Path
+) -> None:
+    empty, full = tmp_path / "empty.png", tmp_path / "full.png"
+    draw(summary(RUNS, places), RUNS, places, empty)
+    for run in choose(RUNS, ["base", "vdn-0", "ticks-15-0"]):
+        make_results(run)
+
+    draw(summary(RUNS, places), RUNS, places, full)
+
+    for path in (empty, full):
+        assert path.read_bytes().startswith(b"\x89PNG")
+    assert full.read_bytes() != empty.read_bytes()
