@@ -119,13 +119,14 @@ class RouteGames:
     def next_route(self, which: Games) -> NDArray[np.int64]:
         """Let the next piece of each game take its turn; play on until it asks for its way.
 
-        Where a game ends before anybody has asked, in the next one every task is a walk: an upper level that sends
-        nobody anywhere must not be waited for without end.
+        After a whole game in which nobody asked, every task of the next one is a walk: an upper level that sends nobody
+        anywhere must not be waited for without end.
 
         Returns:
             Ticks that were played until then, of every game [n].
         """
         waited, ticks = np.zeros(self.n_games, np.int64), self.arena.state.games.tick
+        whole = np.zeros(self.n_games, np.bool_)  # the game was waited for from its beginning
         for b in which.tolist():
             self._let_go(b)
         while which.size:
@@ -139,7 +140,8 @@ class RouteGames:
             if over.any():
                 self.tasks.begin(which[over])
                 self.focus.piece[which[over]] = NO_FOCUS
-                self._idle[which[over]] = True
+                self._idle[which[over]] = whole[which[over]]
+                whole[which[over]] = True
             self.decide(which[over | due])
             which = which[~self._starts(which)]
         self._idle[:] = False

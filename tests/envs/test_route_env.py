@@ -560,6 +560,20 @@ def test_tasks_are_those_of_the_upper_level() -> None:
         assert (plan.kind, plan.target, plan.cell) == (row.kind, row.target, row.cell)
 
 
+def test_a_new_game_begins_with_the_tasks_of_the_upper_level_too() -> None:
+    games = RouteGames(2, route_settings({"upper": Taskmaster(1), "wander": 0.0, "keep_task": 0.0}), "plain")
+    games.begin(games.all)
+    while games.tasks.episodes.max() < 5:
+        games.look()
+        games.next_route(
+            games.all[games.play(heuristic({"obs": games.state, "action_mask": games.mask})).over]
+        )
+        for b in np.flatnonzero(games.arena.state.games.tick == 0):
+            plan = games.arena.plans[b, games.focus.piece[b]]
+            row = games.tasks.sight.rows[b, int(games.focus.piece[b]) % 7, 1]
+            assert (plan.kind, plan.target, plan.cell) == (row.kind, row.target, row.cell)
+
+
 def test_kept_tasks_are_kept_whatever_the_upper_level_says() -> None:
     games = RouteGames(2, route_settings({"upper": Taskmaster(1), "wander": 0.0, "keep_task": 1.0}), "plain")
     games.begin(games.all)
