@@ -66,7 +66,7 @@ class HierarchicalQMIX(QMIX):
         policy: "HierarchicalPolicy".
         env: the task env, native or single.
         args: further arguments of `QMIX`.
-        lower_env: a route env; None makes one from the task env's own settings. Its `ways` and `beta` count.
+        lower_env: a route env; None makes one from the task env's own settings. What its reward is made of is the model's too.
         phase_ticks: game ticks of the upper level between two phases of the lower level, and of such a phase, of
             all games together; a game has 1,800. 0 for the second trains the upper level alone.
         lower_kwargs: arguments of `MaskedDQN` that differ from `LOWER_DEFAULTS`.
@@ -113,9 +113,8 @@ class HierarchicalQMIX(QMIX):
         self.lower_kwargs, self.route_kwargs = dict(lower_kwargs or {}), dict(route_kwargs or {})
         self.lower_env = lower_env
         if lower_env is not None:
-            given = lower_env.get_attr("settings")[0]
-            self.route_kwargs |= {name: getattr(given, name) for name in ("ways", "beta")}
-        self._check_route()
+            self.route_kwargs |= _reward_settings(lower_env)
+        self._own_route()
         self.upper_ticks, self.lower_ticks = 0, 0  # game ticks trained so far
         self.leader = {}
         self.leader_agreement = 0.0  # share of the moves on a fastest way, of the version that leads
@@ -126,7 +125,7 @@ class HierarchicalQMIX(QMIX):
     def _setup_model(self) -> None:
         """Build both levels; the lower one needs no env yet."""
         super()._setup_model()
-        gamma = {} if self._check_route().is_shaped else {"gamma": PLAIN_GAMMA}
+        gamma = {} if self._own_route().is_shaped else {"gamma": PLAIN_GAMMA}
         options = {**LOWER_DEFAULTS, **gamma, **self.lower_kwargs}
         self.lower = MaskedDQN.for_spaces(*route_spaces(), seed=self.seed, device=self.device, **options)
         self.frozen_lower()  # other layers than the drive loop's show here, not after the first phase
@@ -135,8 +134,8 @@ class HierarchicalQMIX(QMIX):
         if self.lower_env is not None:
             self.lower.set_env(self.lower_env)
 
-    def _check_route(self) -> RouteSettings:
-        """Settings of the route env, as far as they differ from the task env's.
+    def _own_route(self) -> RouteSettings:
+        """Settings of the route env, as far as `route_kwargs` says them.
 
         Raises:
             ConfigError: one is out of its range, or there are fewer games than scenarios.
@@ -303,6 +302,17 @@ class HierarchicalQMIX(QMIX):
         self.lower.restore(part("replay", parts))
         restore_env(env, part("games", parts))
         self.lower._last_obs = part("last_obs", parts)  # noqa: SLF001
+
+
+def _reward_settings(env: VecEnv) -> dict[str, Any]:
+    """Settings of a route env that the model needs to know, too: what its state holds, and its reward's potential.
+
+    Raises:
+        ConfigError: it is no route env.
+    """
+    if not env.has_attr("settings") or not isinstance(settings := env.get_attr("settings")[0], RouteSettings):
+        raise ConfigError(f'lower_env is a VecEnv of "{ROUTE_ENV}", got {env}')
+    return {name: getattr(settings, name) for name in ("ways", "beta", "beta_per", "shaping")}
 
 
 class _LowerPhase(BaseCallback):

@@ -25,9 +25,8 @@ class Preset:
     env: Settings = field(default_factory=dict)  # of `TaskSettings`
     route: Settings = field(default_factory=dict)  # of `RouteSettings`
     learner: Settings = field(default_factory=dict)  # of `QMIX`
-    lower_learner: Settings = field(
-        default_factory=dict
-    )  # of `MaskedDQN`, where it differs from LOWER_DEFAULTS
+    # of `MaskedDQN`, where it differs from LOWER_DEFAULTS
+    lower_learner: Settings = field(default_factory=dict)
 
     def lower_ticks(self, upper_ticks: int) -> int:
         """Game ticks of the lower level in a training with so many of the upper one."""

@@ -87,9 +87,8 @@ class StepReplay:
         features = boxes.pop("tasks")
         self.obs = {key: np.zeros((*size, *(box.shape or ())), _storage(box)) for key, box in boxes.items()}
         self._none = np.zeros((0, shapes.task_dim), _storage(features))
-        self.sets = [self._none] * (
-            n_envs * self.rows
-        )  # valid rows of each step, of all pieces [n, task_dim]
+        # Valid rows of all pieces [n, task_dim], of each step: number game * rows + row.
+        self.sets = [self._none] * (n_envs * self.rows)
         self.tasks = np.zeros((*size, shapes.n_pieces), np.int16)
         self.reward = np.zeros(size, np.float32)
         self.discount = np.zeros(size, np.float32)
@@ -140,14 +139,11 @@ class StepReplay:
         game = np.arange(self.n_envs)
         for key, stored in self.obs.items():
             stored[game, row] = obs[key]
-        self._keep_sets(game * self.rows + row, obs["action_mask"] != 0, obs["tasks"])
+        mask = obs["action_mask"] != 0
+        self._keep_sets(game * self.rows + row, mask, obs["tasks"][mask].astype(self._none.dtype))
 
-    def _keep_sets(self, steps: NDArray[np.int64], mask: NDArray[np.bool_], tasks: NDArray[Any]) -> None:
-        """Keep the valid rows [B, N, K] of some steps [B]."""
-        self._split_sets(steps, mask, tasks[mask].astype(self._none.dtype))
-
-    def _split_sets(self, steps: NDArray[np.int64], mask: NDArray[np.bool_], valid: NDArray[Any]) -> None:
-        """Deal valid rows, step after step, out to their steps."""
+    def _keep_sets(self, steps: NDArray[np.int64], mask: NDArray[np.bool_], valid: NDArray[Any]) -> None:
+        """Deal valid rows [n, task_dim] out to their steps [B], by the steps' masks [B, N, K]."""
         ends = mask.sum(axis=(1, 2)).cumsum()
         for step, start, end in zip(steps.tolist(), [0, *ends[:-1].tolist()], ends.tolist(), strict=True):
             self.sets[step] = valid[start:end]
@@ -272,7 +268,7 @@ class StepReplay:
         for name, array in self._arrays().items():
             array[:, : self.used] = parts[name]
         mask = self.obs["action_mask"][:, : self.used].reshape(-1, self.n_pieces, self.n_tasks) != 0
-        self._split_sets(self._used_steps(), mask, parts["sets"])
+        self._keep_sets(self._used_steps(), mask, parts["sets"])
         self.next_row = np.array(parts["next_row"])
 
     def _arrays(self) -> dict[str, NDArray[Any]]:

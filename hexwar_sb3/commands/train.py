@@ -78,9 +78,8 @@ class Train:
     n_envs: OfPreset[int] = None  # games side by side
     reward: OfPreset[Literal["paper", "net"]] = None  # margin by eq. (1), or own minus enemy
     decisions: OfPreset[Literal["fixed", "event"]] = None  # event: also after an own loss or an ended task
-    spots: OfPreset[int] = (
-        None  # k of G^L(k), the number of cells that tasks lead to beside the control points
-    )
+    # k of G^L(k), the number of cells that tasks lead to beside the control points
+    spots: OfPreset[int] = None
     # share of the games in which each piece first goes to a random cell of G^B; it falls to 0 by half of the training
     warm_start: OfPreset[float] = None
     demo_share: OfPreset[float] = None  # share of the first games in which a bot shows how it plays

@@ -57,8 +57,9 @@ def _draw_margins(axes: Axes, rows: Sequence[Mapping[str, Any]]) -> None:
         places = [i + 0.3 * (k - 0.5) for i in range(len(rows))]
         axes.hlines(places, [m[1] for m in margins], [m[2] for m in margins], color=f"C{k}", linewidth=1.5)
         axes.plot([m[0] for m in margins], places, "o", color=f"C{k}", label=f"against {opponent}")
-        for value, _, _ in margins[:1]:  # the base, to compare with
-            axes.axvline(value, color=f"C{k}", linewidth=0.8, linestyle=":")
+        for row, margin in zip(rows, margins, strict=True):
+            if row["row"] == BASE:  # to compare with
+                axes.axvline(margin[0], color=f"C{k}", linewidth=0.8, linestyle=":")
     labels = [f"{row['row']} ({len(row['seeds'])})" for row in rows]
     axes.set_yticks(range(len(rows)), labels)
     axes.invert_yaxis()

@@ -258,10 +258,17 @@ def test_the_route_env_has_the_task_envs_settings() -> None:
 def test_a_route_env_of_your_own_says_what_the_lower_level_reads() -> None:
     own = make_vec_env("HexWarRoute-v0", n_envs=2, ways=False, beta=0.2)
 
-    owner = model(lower_env=own, route_kwargs={})
+    owner = model(lower_env=own, route_kwargs={}, lower_kwargs={})
 
     assert not owner.frozen_lower().ways
     assert owner.frozen_lower().tie == pytest.approx(0.4 * 0.2)
+    assert owner.lower.gamma == 0.98  # there is no potential without ways
+    assert model(lower_env=make_vec_env("HexWarRoute-v0", shaping=0.0), lower_kwargs={}).lower.gamma == 0.98
+
+
+def test_a_lower_env_that_is_no_route_env_is_refused() -> None:
+    with pytest.raises(ConfigError, match='lower_env is a VecEnv of "HexWarRoute-v0"'):
+        model(lower_env=games())
 
 
 def test_without_a_potential_the_lower_level_looks_farther() -> None:

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Callable
 from pathlib import Path
 
@@ -25,6 +26,17 @@ def test_every_command_explains_itself(hexwar: Command, name: str) -> None:
 
     assert code == 0
     assert f"usage: hexwar {name}" in out
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_every_flag_says_what_it_is(hexwar: Command, name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A flag without help shows its default right behind the kind of its value."""
+    monkeypatch.setenv("COLUMNS", "200")
+    _, out, _ = hexwar(name, "--help")
+
+    text = " ".join(re.sub("[│╭╮╰╯─]", " ", out).split())
+
+    assert re.findall(r"--[a-z-]+ \S*(?:INT|STR|FLOAT|PATH|[\]}]) \(default", text) == []
 
 
 def test_the_version_is_that_of_the_package(hexwar: Command) -> None:
