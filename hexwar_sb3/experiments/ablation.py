@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import isnan
 from pathlib import Path
 from typing import Any
@@ -70,8 +70,8 @@ NO_PLANS = "--no-constant-plans"  # they are the same for all: the base plays th
 
 
 def runs(budget: Budget, seeds: Sequence[int]) -> list[Run]:
-    """Every run of the table, seed by seed, so that one seed of every row comes first."""
-    return [run for seed in seeds for run in _runs_of(seed, budget)]
+    """Every run of the table, seed by seed, so that one seed of every row comes first; figures only, no policies."""
+    return [replace(run, with_policy=False) for seed in seeds for run in _runs_of(seed, budget)]
 
 
 def _runs_of(seed: int, budget: Budget) -> Iterator[Run]:

@@ -23,7 +23,7 @@ def keep(run: Run, folder: Path, kept: Path) -> None:
     new.mkdir(parents=True)
     for name in FILES:
         shutil.copyfile(folder / name, new / name)
-    if (folder / "policy").is_dir():
+    if run.with_policy and (folder / "policy").is_dir():
         shutil.copytree(folder / "policy", new / "policy")
     (new / "command.txt").write_text(run.command + "\n", encoding="utf-8")
     write_curve(new / "curve.csv", _curve_of(folder))

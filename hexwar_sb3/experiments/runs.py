@@ -53,6 +53,7 @@ class Run:
     seed: int
     arguments: tuple[str, ...]
     module: str = HEXWAR
+    with_policy: bool = True  # its policy is kept with its results
 
     @property
     def name(self) -> str:

@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from hexwar_sb3.errors import FileFormatError
+from hexwar_sb3.experiments import ablation
 from hexwar_sb3.experiments.keep import keep
 from hexwar_sb3.experiments.runs import Budget, Places, hrl_run
 
@@ -28,6 +29,17 @@ def test_small_results_are_kept_and_the_rest_is_left(places: Places, make_folder
     }
     assert (kept / "command.txt").read_text(encoding="utf-8") == RUN.command + "\n"
     assert len((kept / "curve.csv").read_text(encoding="utf-8").splitlines()) == 1 + 2 * 3
+
+
+def test_a_run_of_the_ablation_keeps_its_figures_only(places: Places, make_folder: MakeFolder) -> None:
+    run = ablation.runs(Budget(games=100), seeds=[0])[0]
+    folder = make_folder(run)
+    (folder / "policy").mkdir()
+
+    keep(run, folder, places.kept(run))
+
+    assert (places.kept(run) / "page.json").exists()
+    assert not (places.kept(run) / "policy").exists()
 
 
 def test_a_broken_run_folder_leaves_no_results(places: Places, make_folder: MakeFolder) -> None:
