@@ -17,7 +17,7 @@ import numpy as np
 import torch
 from stable_baselines3.common.vec_env import VecEnv
 
-from hexwar_sb3.algorithms.parts import Arrays, env_snapshot, part, restore_env, under
+from hexwar_sb3.algorithms.parts import Arrays, env_snapshot, part, restore_env, under, write_arrays
 from hexwar_sb3.algorithms.qmix import QMIX
 from hexwar_sb3.errors import CheckpointError
 from hexwar_sb3.files import replacing
@@ -42,7 +42,7 @@ def save_checkpoint(model: QMIX, path: str | Path) -> None:
         **under("more", model.snapshot()),
     }
     with replacing(Path(path)) as temporary, temporary.open("wb") as file:
-        np.savez(file, **arrays)  # type: ignore[arg-type]
+        write_arrays(file, arrays)
 
 
 def load_checkpoint(path: str | Path, env: VecEnv, algorithm: type[QMIX] = QMIX, **kwargs: Any) -> QMIX:

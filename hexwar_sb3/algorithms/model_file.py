@@ -16,6 +16,7 @@ from gymnasium import spaces
 from stable_baselines3.common.off_policy_algorithm import OffPolicyAlgorithm
 from stable_baselines3.common.type_aliases import GymEnv
 
+from hexwar_sb3.algorithms.parts import write_arrays
 from hexwar_sb3.algorithms.replay import StepReplay
 from hexwar_sb3.errors import CheckpointError, ConfigError
 from hexwar_sb3.files import replacing
@@ -89,7 +90,7 @@ class PlainZip(OffPolicyAlgorithm):
     def save_replay_buffer(self, path: File) -> None:
         """Write the steps of the replay as arrays, without pickle."""
         steps = io.BytesIO()
-        np.savez(steps, **self.replay_buffer.snapshot())
+        write_arrays(steps, self.replay_buffer.snapshot())
         if isinstance(path, str | pathlib.Path):
             with replacing(pathlib.Path(path)) as temporary:
                 temporary.write_bytes(steps.getvalue())

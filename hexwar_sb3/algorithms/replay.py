@@ -13,6 +13,7 @@ from jaxtyping import Bool, Float, Int
 from numpy.typing import NDArray
 from torch import Tensor
 
+from hexwar_sb3.algorithms.parts import Joined
 from hexwar_sb3.algorithms.td_targets import DECISION_TICKS, n_step_return, row_discount
 from hexwar_sb3.errors import ConfigError, TrainingError
 from hexwar_sb3.policies.shapes import TaskShapes
@@ -243,10 +244,10 @@ class StepReplay:
     def _tensor(self, values: NDArray[Any]) -> Tensor:
         return torch.as_tensor(values, device=self.device).float()
 
-    def snapshot(self) -> dict[str, NDArray[Any]]:
-        """Everything that is stored, by name, without rows that were never written."""
+    def snapshot(self) -> dict[str, Any]:
+        """Everything that is stored, by name, without rows that were never written; for `write_arrays`."""
         parts = {name: array[:, : self.used] for name, array in self._arrays().items()}
-        sets = np.concatenate([self._none, *(self.sets[k] for k in self._used_steps())])
+        sets = Joined([self._none, *(self.sets[k] for k in self._used_steps().tolist())])
         return {**parts, "sets": sets, "next_row": self.next_row}
 
     def _used_steps(self) -> NDArray[np.int64]:
@@ -268,7 +269,7 @@ class StepReplay:
         for name, array in self._arrays().items():
             array[:, : self.used] = parts[name]
         mask = self.obs["action_mask"][:, : self.used].reshape(-1, self.n_pieces, self.n_tasks) != 0
-        self._keep_sets(self._used_steps(), mask, parts["sets"])
+        self._keep_sets(self._used_steps(), mask, np.asarray(parts["sets"]))
         self.next_row = np.array(parts["next_row"])
 
     def _arrays(self) -> dict[str, NDArray[Any]]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 from typing import Any
 
 import numpy as np
@@ -10,6 +11,7 @@ import torch
 from gymnasium import spaces
 from numpy.typing import NDArray
 
+from hexwar_sb3.algorithms.parts import write_arrays
 from hexwar_sb3.algorithms.replay import StepReplay
 from hexwar_sb3.errors import ConfigError, TrainingError
 
@@ -231,6 +233,22 @@ def test_a_snapshot_of_other_games_or_too_large_is_refused() -> None:
     for broken in (games, rows):
         with pytest.raises(ConfigError, match="the stored replay holds"):
             buffer.restore(broken)
+
+
+def test_a_snapshot_is_written_as_numpy_writes_it() -> None:
+    buffer, mine, numpys = replay(), io.BytesIO(), io.BytesIO()
+    for moment in range(1, 9):
+        add(buffer, moment)
+    write_arrays(mine, buffer.snapshot())
+    np.savez(numpys, **buffer.snapshot())
+    for file in (mine, numpys):
+        file.seek(0)
+
+    with np.load(mine, allow_pickle=False) as found, np.load(numpys, allow_pickle=False) as expected:
+        assert found.files == expected.files
+        for name in found.files:
+            assert found[name].dtype == expected[name].dtype
+            np.testing.assert_array_equal(found[name], expected[name])
 
 
 def test_what_was_in_a_buffer_is_gone_after_a_restore() -> None:
