@@ -31,6 +31,7 @@ unit: setup
 	$(BIN)/python -m pytest -n $(JOBS) -m "not slow"
 
 test-slow: lint type layers
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e ".[ray]"
 	$(BIN)/python -m pytest -n $(JOBS)
 
 lint: setup

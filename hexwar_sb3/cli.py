@@ -10,11 +10,14 @@ import tyro
 
 from hexwar_sb3 import __version__
 from hexwar_sb3.commands.bench import Bench
+from hexwar_sb3.commands.distill import Distill
 from hexwar_sb3.commands.doctor import Doctor
 from hexwar_sb3.commands.evaluate import Evaluate, Match
 from hexwar_sb3.commands.experiments import Experiments
 from hexwar_sb3.commands.hotspots import Hotspots
 from hexwar_sb3.commands.maps import Maps
+from hexwar_sb3.commands.selfplay import SelfPlay
+from hexwar_sb3.commands.tournament import Tournament
 from hexwar_sb3.commands.train import Train
 from hexwar_sb3.commands.watch import Watch
 from hexwar_sb3.errors import HexWarError
@@ -23,6 +26,9 @@ COMMANDS: dict[str, Callable[..., Any]] = {
     "train": Train,
     "evaluate": Evaluate,
     "match": Match,
+    "tournament": Tournament,
+    "selfplay": SelfPlay,
+    "distill": Distill,
     "watch": Watch,
     "maps": Maps,
     "hotspots": Hotspots,

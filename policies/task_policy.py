@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -16,6 +17,7 @@ from hexwar_sb3.errors import ConfigError, UnknownNameError
 from hexwar_sb3.play.frozen import FrozenPolicy
 from hexwar_sb3.play.lower_policy import HEURISTIC_LOWER, Lower
 from hexwar_sb3.policies.agent import NETWORKS, AgentNetwork, TaskNetwork
+from hexwar_sb3.policies.mixer_files import load_mixer
 from hexwar_sb3.policies.mixers import MIXERS, Mixer
 from hexwar_sb3.policies.shapes import TaskShapes
 from hexwar_sb3.policies.task_sets import pack_observation
@@ -131,6 +133,49 @@ class TaskPolicy(BasePolicy):
         }
         sizes = {"n_pieces": self.shapes.n_pieces, "n_tasks": self.shapes.n_tasks}
         return FrozenPolicy(weights, **sizes, about=about, lower=self.lower)
+
+    def settle(self) -> None:
+        """Let the target networks, means over the last updates, be the online ones.
+
+        A network plays better or worse by ten points from one update to the next; its mean does not.
+        """
+        self.agent.load_state_dict(self.agent_target.state_dict())
+        self.mixer.load_state_dict(self.mixer_target.state_dict())
+
+    def agent_of(self, policy: FrozenPolicy) -> TaskNetwork:
+        """Agent network like this one's with the weights of a frozen policy.
+
+        Raises:
+            ConfigError: it has other layers or sizes.
+        """
+        agent = self._make_agent().to(self.device)
+        for name, tensor in agent.state_dict().items():
+            found = policy.weights[name].shape if name in policy.weights else "no such layer"
+            if found != tuple(tensor.shape):
+                raise ConfigError(f"{name}: the policy has {found}, this model {tuple(tensor.shape)}")
+        agent.load_state_dict(
+            {name: torch.from_numpy(array.copy()) for name, array in policy.weights.items()}
+        )
+        return agent
+
+    def take_over(self, policy: FrozenPolicy, folder: Path | None = None) -> bool:
+        """Go on from a frozen policy, and from the mixer beside it if there is one; says whether there was.
+
+        Args:
+            policy: of the same sizes; its lower level leads from now on.
+            folder: of that policy.
+
+        Raises:
+            ConfigError: the sizes are others.
+            PolicyFileError: the mixer is broken, or of other sizes.
+        """
+        frozen = self.agent_of(policy)
+        mixed = folder is not None and load_mixer(self.mixer, folder)
+        for agent in (self.agent, self.agent_target):
+            agent.load_state_dict(frozen.state_dict())
+        self.mixer_target.load_state_dict(self.mixer.state_dict())
+        self.lower = policy.lower
+        return mixed
 
     def _get_constructor_parameters(self) -> dict[str, Any]:
         return {

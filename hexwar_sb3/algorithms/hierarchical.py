@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any, ClassVar, Self, cast
 
 import numpy as np
@@ -23,6 +24,7 @@ from hexwar_sb3.envs.route_settings import RouteSettings, route_settings
 from hexwar_sb3.envs.route_vec_env import route_spaces
 from hexwar_sb3.envs.settings import TaskSettings
 from hexwar_sb3.errors import ConfigError
+from hexwar_sb3.play.frozen import FrozenPolicy
 from hexwar_sb3.play.lower_policy import HEURISTIC_LOWER, FrozenLower
 from hexwar_sb3.play.routes import measure_routes
 from hexwar_sb3.policies.masked import MaskedDQNPolicy, freeze_lower
@@ -201,9 +203,20 @@ class HierarchicalQMIX(QMIX):
         self.logger.record("lower/routes_finished", found.finished)
         self.logger.record("lower/agreement", found.agreement)
         if found.finished >= self.takeover and found.agreement > self.leader_agreement:
-            self.leader = {name: weights.tolist() for name, weights in lower.weights.items()}
-            self.policy.lower, self.leader_agreement = lower, found.agreement
-            self.lead_envs()
+            self.leader_agreement = found.agreement
+            self._lead_with(lower)
+
+    def take_over(self, policy: FrozenPolicy, folder: Path | None = None) -> bool:
+        """Go on from a frozen policy; its lower level leads until a version of this model's own is better."""
+        mixed = super().take_over(policy, folder)
+        if isinstance(policy.lower, FrozenLower):
+            self._lead_with(policy.lower)
+        return mixed
+
+    def _lead_with(self, lower: FrozenLower) -> None:
+        self.leader = {name: weights.tolist() for name, weights in lower.weights.items()}
+        self.policy.lower = lower
+        self.lead_envs()
 
     def follow_lower(self) -> None:
         """Keep the version that leads; else as the env's pieces are led."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import asdict
+from pathlib import Path
 from typing import Any, ClassVar
 
 import numpy as np
@@ -24,6 +25,7 @@ from hexwar_sb3.algorithms.replay import Batch, StepReplay, situation_of
 from hexwar_sb3.algorithms.td_targets import qmix_target
 from hexwar_sb3.algorithms.td_update import TDLearner
 from hexwar_sb3.errors import ConfigError
+from hexwar_sb3.play.frozen import FrozenPolicy
 from hexwar_sb3.policies.shapes import TaskShapes
 from hexwar_sb3.policies.task_policy import TaskPolicy
 
@@ -315,6 +317,37 @@ class QMIX(PlainZipAlgorithm):
 
     def restore(self, parts: Mapping[str, NDArray[Any]]) -> None:
         """Take over what `snapshot` gave."""
+
+    def take_over(self, policy: FrozenPolicy, folder: Path | None = None) -> bool:
+        """Go on from a frozen policy, and from the mixer in its folder if there is one; says whether there was.
+
+        Args:
+            policy: of the same sizes; its lower level leads the pieces of this model's env from now on.
+            folder: of that policy.
+
+        Raises:
+            ConfigError: the sizes are others.
+            PolicyFileError: the mixer is broken, or of other sizes.
+        """
+        mixed = self.policy.take_over(policy, folder)
+        if self.env is not None and self.env.has_attr("lower_level"):
+            self.env.env_method("set_lower", policy.lower)
+        return mixed
+
+    def refit_mixer(self, total_timesteps: int) -> None:
+        """Let the mixer alone learn for some env steps: the values of agents that came without one.
+
+        Args:
+            total_timesteps: env steps; they count as any others.
+        """
+        agent = list(self.policy.agent.parameters())
+        for parameter in agent:
+            parameter.requires_grad_(False)
+        try:
+            self.learn(total_timesteps, reset_num_timesteps=False)
+        finally:
+            for parameter in agent:
+                parameter.requires_grad_(True)
 
     def train(self, gradient_steps: int, batch_size: int = 128) -> None:
         """Make the updates that are due since the last call."""

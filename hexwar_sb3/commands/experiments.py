@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from hexwar_sb3.experiments.runs import Places, Run, State
 
 NAMES = ("fig7", "ablation")
+TABLE1 = "table1"  # one pipeline instead of runs
 FAILED, INTERRUPTED = 1, 130  # exit codes
 
 
@@ -27,7 +28,8 @@ FAILED, INTERRUPTED = 1, 130  # exit codes
 class Experiments:
     """Make the runs of an experiment whose results are missing, then its figure or table; go on by the same command."""
 
-    name: tyro.conf.Positional[str]  # "fig7": HRL against DQN; "ablation": rows that differ in one thing
+    # "fig7": HRL against DQN; "ablation": rows that differ in one thing; "table1": self-play and distillation
+    name: tyro.conf.Positional[str]
     list: bool = False  # print what is there and what is missing, and do nothing
     only: tuple[str, ...] = ()  # runs ("vdn-0") or rows ("vdn": all its seeds); else all
     seeds: tuple[int, ...] = (0, 1, 2)  # of every row; the other maps of fig7 have the first
@@ -44,6 +46,8 @@ class Experiments:
         from hexwar_sb3.experiments.carry_out import carry_out
         from hexwar_sb3.experiments.runs import Places, State, choose
 
+        if self.name == TABLE1:
+            return self._table1()
         runs, places = self._runs(), Places(self.results, self.work)
         chosen = choose(runs, self.only)
         states = {run: places.state(run) for run in runs}
@@ -61,6 +65,30 @@ class Experiments:
             _say(str(path))
         return FAILED if failed else 0
 
+    def _table1(self) -> int:
+        """Carry out the pipeline, then write the table; its other settings are its own."""
+        from hexwar_sb3.experiments.runs import Places
+        from hexwar_sb3.experiments.table1 import Table1
+        from hexwar_sb3.experiments.table1_page import write
+
+        if self.jobs < 1:
+            raise ConfigError(f"jobs must be at least 1, got {self.jobs}")
+        pipeline = Table1(places=Places(self.results, self.work), jobs=self.jobs)
+        if self.list:
+            for stage, state in pipeline.states().items():
+                print(f"{stage}: {state}")
+            return 0
+        compile_first()
+        try:
+            found = pipeline.run(_say)
+        except KeyboardInterrupt:
+            _say("stopped; the same command goes on")
+            return INTERRUPTED
+        if found is None:
+            return FAILED
+        print(write(found, pipeline, table))
+        return 0
+
     def _runs(self) -> Sequence[Run]:
         """Every run of the experiment.
 
@@ -73,7 +101,7 @@ class Experiments:
         from hexwar_sb3.experiments.runs import Budget
 
         if self.name not in NAMES:
-            raise UnknownNameError("experiment", self.name, NAMES)
+            raise UnknownNameError("experiment", self.name, (*NAMES, TABLE1))
         if self.jobs < 1:
             raise ConfigError(f"jobs must be at least 1, got {self.jobs}")
         if not self.seeds or len(set(self.seeds)) < len(self.seeds):

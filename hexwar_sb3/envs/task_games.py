@@ -62,6 +62,9 @@ class TaskGames:
         self.camps = np.zeros(n_games, np.int64)  # the learner's [n]
         self.episodes = np.full(n_games, -1)  # number of the episode in each slot [n]
         self.opponents = np.zeros(n_games, np.int64)  # index in the mixture [n]
+        self.rivals: list[Seat] = [
+            self.mixture.players[0]
+        ] * n_games  # who that was when the episode began [n]
         self.demos = np.zeros(n_games, np.bool_)  # the demo bot holds the learner's seat [n]
         self._sights = self._new_sight(), self._new_sight()
         self.seed(seed)
@@ -82,6 +85,7 @@ class TaskGames:
             self.episodes[b] = episode
             self.camps[b] = self._camp_of(episode)
             self.opponents[b] = self.mixture.draw(self._seed, episode)
+            self.rivals[b] = self.mixture.players[self.opponents[b]]
             draw = episode_draw(self._seed, episode, _DEMO_STREAM).random()
             self.demos[b] = self.demo_bot is not None and draw < self.demo_share
             self.arena.begin(int(b), game_seed(self._seed, episode), *self._seats(int(b)))
@@ -94,6 +98,13 @@ class TaskGames:
         self.lower = make_lower(lower)
         for b in self.all:
             self._lead(int(b))
+
+    def set_opponent(self, opponent: object) -> None:
+        """Draw the opponents of the next episodes from another mixture; running games end as they began.
+
+        A snapshot names opponents by their place in the mixture: to restore one, give those that play their places.
+        """
+        self.mixture = make_mixture(opponent)
 
     def _lead(self, b: int) -> None:
         """Say who answers for the learner's pieces on their way; a demo bot leads its own."""
@@ -143,7 +154,7 @@ class TaskGames:
             "win": float(self.arena.wins(row, camps)[0]),
             "points_held": self.arena.points_held(b, int(camps[0])),
             "side": camp_name(int(camps[0])),
-            "opponent": _label(self.mixture.players[self.opponents[b]]),
+            "opponent": _label(self.rivals[b]),
         }
 
     def current_tasks(self, obs: Obs) -> NDArray[np.int64]:
@@ -174,6 +185,7 @@ class TaskGames:
             array[...] = snapshot[name]
         self._seed, self._next_episode = (int(n) for n in snapshot["counters"])
         for b in self.all:
+            self.rivals[b] = self.mixture.players[self.opponents[b]]
             for camp, seat in enumerate(self._seats(int(b))):
                 self.arena.sit(int(b), camp, seat)
             self._lead(int(b))
@@ -200,7 +212,7 @@ class TaskGames:
 
     def _seats(self, b: int) -> tuple[Seat | None, Seat | None]:
         own = self.demo_bot if self.demos[b] else None
-        other = self.mixture.players[self.opponents[b]]
+        other = self.rivals[b]
         return (own, other) if self.camps[b] == Camp.RED else (other, own)
 
     def _warm_up(self, b: int, rng: np.random.Generator) -> None:

@@ -87,6 +87,10 @@ class TaskVecEnv(NativeVecEnv):
         """Another lower level for the learner's pieces: "heuristic", a folder, a network, or a callable."""
         self.games.set_lower(lower)
 
+    def set_opponent(self, opponent: object) -> None:
+        """Opponents of the next episodes: a player, a list of them, or a list of (player, weight)."""
+        self.games.set_opponent(opponent)
+
     def snapshot(self) -> Snapshot:
         """Everything that changes in play, as arrays that `np.savez` takes."""
         return self.games.snapshot()

@@ -26,7 +26,7 @@ def play_match(
     seed: int = 0,
     *,
     purpose: Purpose = Purpose.REPORT,
-    decision_ticks: int = DECISION_TICKS,
+    decision_ticks: int | tuple[int, int] = DECISION_TICKS,
     spots: int = SPOTS,
     early: bool = False,
     progress: Callable[[int], object] | None = None,
@@ -40,7 +40,7 @@ def play_match(
         scenario: a scenario, its name or its path.
         seed: in 0..999999.
         purpose: shifts the seed into the range that this kind of games has for itself.
-        decision_ticks: ticks between two decisions of a policy.
+        decision_ticks: ticks between two decisions of a policy; or of (red, blue).
         spots: k of G^L(k), the cells that tasks lead to.
         early: policies also decide after an own loss or an ended task.
         progress: called with the number of games played so far, now and then.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -107,6 +108,16 @@ class FrozenPolicy:
         tasks = np.ascontiguousarray(obs["tasks"], np.float32).reshape(n, self.n_tasks, -1)
         best_tasks(rows, tasks, np.ascontiguousarray(mask, np.int8).reshape(n, -1), self._net, q, best)
         return best.reshape(mask.shape[:2]), q.reshape(mask.shape)
+
+    @property
+    def sha256(self) -> str:
+        """Hash of the weights of both levels."""
+        digest = hashlib.sha256()
+        levels = [self.weights, *([self.lower.weights] if isinstance(self.lower, FrozenLower) else [])]
+        for weights in levels:
+            for name, array in weights.items():
+                digest.update(name.encode() + array.tobytes())
+        return digest.hexdigest()
 
     def led_by(self, lower: Lower) -> FrozenPolicy:
         """Give the same tasks with another lower level."""

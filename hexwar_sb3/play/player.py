@@ -54,10 +54,13 @@ class ModelPlayer:
     """Any object with Stable-Baselines3's `predict`, playing greedily."""
 
     model: Any
+    led_by: Lower | None = None  # who leads its pieces, if not its own lower level
 
     @property
     def lower(self) -> Lower:
-        """The model's own lower level, if it has one."""
+        """The lower level that was given, or the model's own, if it has one."""
+        if self.led_by is not None:
+            return self.led_by
         return cast("Lower", getattr(getattr(self.model, "policy", None), "lower", HEURISTIC_LOWER))
 
     def reset(self) -> None:

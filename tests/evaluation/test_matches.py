@@ -6,7 +6,6 @@ import pytest
 from hexwar_sb3.errors import ConfigError, UnknownNameError
 from hexwar_sb3.evaluation.matches import play_match, player_name
 from hexwar_sb3.evaluation.panel import Terms, play_panel
-from hexwar_sb3.evaluation.round_robin import play_round_robin
 from hexwar_sb3.evaluation.seeds import Purpose
 
 
@@ -65,10 +64,3 @@ def test_a_panel_has_a_cell_for_each_opponent_and_camp() -> None:
     ]
     assert panel.total.games == 8
     assert panel.against("random").games == 4
-
-
-def test_a_round_robin_plays_every_pairing() -> None:
-    table = play_round_robin({"a": "MA1", "b": "random"}, {"c": "nearest", "d": "random"}, games=2)
-
-    assert set(table.matches) == {("a", "c"), ("a", "d"), ("b", "c"), ("b", "d")}
-    assert table.of_red("a").games == table.of_blue("d").games == 4

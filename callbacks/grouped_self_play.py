@@ -1,0 +1,96 @@
+"""Grouped self-play as a callback of one model: it is a league's first model, and in the end its champion."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import cast
+
+from stable_baselines3.common.callbacks import BaseCallback
+from stable_baselines3.common.vec_env import VecEnv
+
+from hexwar_sb3.algorithms.qmix import QMIX
+from hexwar_sb3.envs.settings import TaskSettings
+from hexwar_sb3.errors import ConfigError
+from hexwar_sb3.evaluation.panel import Terms
+from hexwar_sb3.league.league import League, read_json
+from hexwar_sb3.league.member import CAMPS, save_member
+from hexwar_sb3.league.settings import LeagueSettings
+from hexwar_sb3.play.frozen import FrozenPolicy
+
+
+class GroupedSelfPlayCallback(BaseCallback):
+    """Plays a league before the model learns on (III-C, Fig. 6): groups, round robin, selection, iteration by iteration.
+
+    The model as it is when `learn` begins is one of the models that the league begins with; further ones may be given,
+    as the paper has several from "different random processes". When the league is over, the model has the weights of
+    the best model of its camp (of red's, where its env plays both), and `champions` has the best of both. The env
+    steps of the league count as the model's: `learn(1)` returns after it, a larger number learns on.
+
+    The folder is the state: the same call goes on where a league was stopped, and ends the same.
+
+    Args:
+        folder: of the league.
+        settings: of the league; the scenario must be the env's.
+        starters: further models to begin with, policy folders by name.
+        jobs: groups, then matches, side by side: processes of joblib.
+
+    Example:
+        >>> model.learn(240_000)
+        >>> model.learn(1, callback=GroupedSelfPlayCallback(Path("league")), reset_num_timesteps=False)
+    """
+
+    def __init__(
+        self,
+        folder: str | Path,
+        settings: LeagueSettings | None = None,
+        *,
+        starters: Mapping[str, Path] | None = None,
+        jobs: int = 1,
+    ) -> None:
+        super().__init__()
+        self.folder, self.settings, self.jobs = Path(folder), settings or LeagueSettings(), jobs
+        self.starters = dict(starters or {})
+        self.champions: dict[str, FrozenPolicy] = {}
+
+    def _on_training_start(self) -> None:
+        model = self._model()
+        settings = cast("TaskSettings", cast("VecEnv", model.get_env()).get_attr("games")[0].settings)
+        if settings.scenario != self.settings.scenario:
+            raise ConfigError(
+                f"the league plays {self.settings.scenario}, the model's env {settings.scenario}"
+            )
+        own = self.folder / "learner"
+        if not (own / "config.json").exists():
+            terms = Terms(
+                scenario=self.settings.scenario,
+                decision_ticks=settings.decision_ticks,
+                spots=settings.spots,
+                early=settings.decisions == "event",
+            )
+            save_member(model, own, side=settings.side, **terms.about())
+        league = League.create(self.folder, self.settings, {"learner": own, **self.starters})
+        league.run(self.jobs, after=lambda k: self._log(league, k))
+        last = league.kept(self.settings.iterations)
+        self.champions = {camp: last[camp][0].policy() for camp in CAMPS}
+        camp = "blue" if settings.side == "blue" else "red"
+        model.take_over(self.champions[camp], last[camp][0].folder)
+        model.num_timesteps += league.env_steps
+
+    def _model(self) -> QMIX:
+        if not isinstance(self.model, QMIX):
+            raise ConfigError(
+                f"grouped self-play is for QMIX and HierarchicalQMIX, got {type(self.model).__name__}"
+            )
+        return self.model
+
+    def _log(self, league: League, k: int) -> None:
+        found = read_json(league.iteration(k) / "table.json")["standings"]
+        for camp in CAMPS:
+            self.logger.record(f"league/{camp}_win_rate", found[camp][0]["win_rate"])
+            self.logger.record(f"league/{camp}_margin", found[camp][0]["mean_margin"])
+        self.logger.record("league/iteration", k)
+        self.logger.dump(k)
+
+    def _on_step(self) -> bool:
+        return True

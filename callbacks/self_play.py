@@ -1,0 +1,108 @@
+"""Self-play for one learner: its env draws opponents from a pool of its own past."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, cast
+
+from stable_baselines3.common.base_class import BaseAlgorithm
+from stable_baselines3.common.vec_env import VecEnv
+
+from hexwar_sb3.algorithms.qmix import QMIX
+from hexwar_sb3.callbacks.every import EverySteps
+from hexwar_sb3.checks import check_whole
+from hexwar_sb3.envs.settings import check_share
+from hexwar_sb3.errors import ConfigError
+from hexwar_sb3.play.frozen import FrozenPolicy
+from hexwar_sb3.play.player import ModelPlayer, Player
+
+
+class SelfPlayCallback(EverySteps):
+    """Adds a frozen copy of the learner to the pool every so many env steps.
+
+    For any model whose env has `set_opponent`, the task env or a wrapper of it: QMIX, HierarchicalQMIX,
+    sb3-contrib's MaskablePPO. Opponents of games that run stay as they are.
+
+    Args:
+        every: env steps between two copies.
+        pool_size: copies that are played against: the first one, so that the start is not forgotten, and the latest.
+        latest_share: of the games, against the latest copy; the others share the rest.
+        bots: further opponents, by name.
+        bots_share: of the games, against them.
+        folder: keeps the pool of a QMIX, so that a resumed training goes on with it; None keeps none.
+
+    Example:
+        >>> model.learn(240_000, callback=SelfPlayCallback(every=24_000, bots=["MA1", "MA2"], bots_share=0.5))
+    """
+
+    def __init__(
+        self,
+        every: int,
+        *,
+        pool_size: int = 10,
+        latest_share: float = 0.5,
+        bots: Sequence[str] = (),
+        bots_share: float = 0.0,
+        folder: Path | None = None,
+    ) -> None:
+        super().__init__(every)
+        self.pool_size, self.bots, self.folder = (
+            check_whole("pool_size", pool_size, least=1),
+            list(bots),
+            folder,
+        )
+        self.latest_share = check_share("latest_share", latest_share)
+        self.bots_share = check_share("bots_share", bots_share)
+        if bots_share > 0 and not bots:
+            raise ConfigError("bots_share needs bots, for example bots=['MA1']")
+        self.pool: list[Player] = []
+
+    def _on_training_start(self) -> None:
+        super()._on_training_start()
+        if self.folder is not None and not self.pool:
+            self.pool = [FrozenPolicy.load(path) for path in self._kept() if int(path.name) <= self.now()]
+        if self.pool:
+            self.meet()
+        else:
+            self.fire()
+
+    def _kept(self) -> list[Path]:
+        """Folders of the copies, the oldest first."""
+        return sorted(path for path in cast("Path", self.folder).glob("*") if path.name.isdecimal())
+
+    def fire(self) -> None:
+        """Add the learner as it is now, and let the next games be against the new pool."""
+        copy = frozen_copy(self.model)
+        self.pool.append(copy)
+        if self.folder is not None:
+            if not isinstance(copy, FrozenPolicy):
+                raise ConfigError("folder keeps copies of QMIX and HierarchicalQMIX only; leave it out")
+            copy.save(self.folder / f"{self.now():012d}")
+        self.meet()
+        self.logger.record("self_play/pool", len(self.pool))
+
+    def meet(self) -> None:
+        """Give the env the pool as it is now."""
+        cast("VecEnv", self.model.get_env()).env_method("set_opponent", self.opponents())
+
+    def opponents(self) -> list[tuple[Any, float]]:
+        """Bots and all copies with their weights; a copy that left the pool keeps its place, with weight 0."""
+        bots = [(bot, self.bots_share / len(self.bots)) for bot in self.bots]
+        past, latest = self.pool[:-1], self.pool[-1]
+        by_rank = [0, *range(len(past) - 1, 0, -1)] if past else []
+        playing = set(by_rank[: self.pool_size - 1])
+        share = (1 - self.bots_share) * (1 - self.latest_share if playing else 0.0)
+        weighed = [(copy, share / len(playing) if k in playing else 0.0) for k, copy in enumerate(past)]
+        return [*bots, *weighed, (latest, 1 - self.bots_share - share)]
+
+
+def frozen_copy(model: BaseAlgorithm) -> Player:
+    """A player that stays as the model is now, whatever the model learns."""
+    if isinstance(model, QMIX):
+        return model.policy.freeze()
+    policy = type(model.policy)(**model.policy._get_constructor_parameters())  # noqa: SLF001  # as SB3 loads it
+    policy.load_state_dict(model.policy.state_dict())
+    policy.set_training_mode(False)
+    env = cast("VecEnv", model.get_env())
+    return ModelPlayer(policy, led_by=env.get_attr("lower_level")[0])

@@ -1,0 +1,79 @@
+"""`hexwar distill`: several policies of one camp into one."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import tyro
+
+from hexwar_sb3.commands.output import compile_first, print_json
+from hexwar_sb3.commands.settings import Json, Seed
+from hexwar_sb3.errors import ConfigError
+
+TEACHERS = "run folders or policy folders"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Distill:
+    """Let teachers play, and one student learn what they do; write the student's policy."""
+
+    teachers: Annotated[
+        tuple[str, ...], tyro.conf.Positional, tyro.conf.arg(metavar="POLICY...", help=TEACHERS)
+    ]
+    output: Path = Path("distilled")  # folder of the student's policy
+    side: Literal["red", "blue", "both"] = "both"  # camp that the teachers play
+    opponents: tuple[str, ...] = ("MA1", "MA2")  # of the teachers: bots' names or policy folders
+    games: int = 400  # that each teacher plays
+    epsilon: float = 0.05  # probability of a random task in these games
+    updates: int = 3_000  # of the student
+    tau: float = 0.1  # temperature of the teachers' choices: small is sharp
+    refit_games: int = 0  # games for a mixer that fits the student, to learn on from it
+    seed: Seed = 0
+    json: Json = False
+
+    def run(self) -> int:
+        """Teach, then save."""
+        from hexwar_sb3.algorithms.qmix import QMIX
+        from hexwar_sb3.commands.selfplay import policy_folder
+        from hexwar_sb3.envs.registration import make_vec_env
+        from hexwar_sb3.evaluation.panel import Terms, trained_terms
+        from hexwar_sb3.league.distil import Lessons, distill
+        from hexwar_sb3.league.member import save_member
+        from hexwar_sb3.play.frozen import FrozenPolicy
+        from hexwar_sb3.rules.ruleset import default_rules
+
+        lessons = Lessons(games=self.games, epsilon=self.epsilon, updates=self.updates, tau=self.tau)
+        folders = [policy_folder(Path(teacher)) for teacher in self.teachers]
+        teachers = [FrozenPolicy.load(folder, rules=default_rules().hash) for folder in folders]
+        found = [trained_terms(teacher) for teacher in teachers]
+        if any(other != found[0] for other in found):
+            raise ConfigError(f"the teachers were trained in different ways: {found}")
+        terms = Terms(**found[0])
+        compile_first(*self.opponents, scenario=terms.scenario)
+        env: dict[str, Any] = {
+            "n_envs": 32,
+            "side": self.side,
+            "opponent": list(self.opponents),
+            "scenario": terms.scenario,
+            "decision_ticks": terms.decision_ticks,
+            "spots": terms.spots,
+            "decisions": "event" if terms.early else "fixed",
+            "reward": "net",
+            "privileged_state": True,
+        }
+        student = QMIX(
+            "TaskPolicy", make_vec_env("HexWarTask-v0", lower=teachers[0].lower, **env), seed=self.seed
+        )
+        losses = distill(teachers, student, env, lessons, self.seed)
+        if self.refit_games:
+            student.refit_mixer(self.refit_games * 24)
+        names = ", ".join(Path(teacher).name for teacher in self.teachers)
+        save_member(student, self.output, side=self.side, teachers=names, **terms.about())
+        figures = {"policy": str(self.output), "teachers": list(self.teachers), "loss": losses[-1]}
+        if self.json:
+            print_json(figures)
+        else:
+            print(f"policy: {self.output}; its choices differ from its teachers' by {losses[-1]:.3f} (KL)")
+        return 0

@@ -1,0 +1,93 @@
+"""`hexwar selfplay`: grouped self-play from the models of earlier trainings (Fig. 6)."""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import tyro
+
+from hexwar_sb3.commands.output import compile_first, print_json, table
+from hexwar_sb3.commands.settings import Json, ScenarioName, Seed
+from hexwar_sb3.errors import ConfigError
+
+if TYPE_CHECKING:
+    from hexwar_sb3.league.league import League
+
+STARTERS = "run folders or policy folders to begin with; NAME=FOLDER calls it NAME"
+INTERRUPTED = 130  # exit code after Ctrl-C
+
+
+@dataclass(frozen=True, kw_only=True)
+class SelfPlay:
+    """Let red and blue models train in groups, meet in a round robin, and keep the best; again and again.
+
+    The folder is the state: the same command goes on where it was stopped.
+    """
+
+    starters: Annotated[
+        tuple[str, ...], tyro.conf.Positional, tyro.conf.arg(metavar="POLICY...", help=STARTERS)
+    ] = ()
+    output: Path = Path("league")  # folder of the league
+    iterations: int = 10  # of training, round robin and selection
+    keep: int = 4  # models of each colour that are kept; keep * keep groups train
+    games: int = 800  # that each of the two models of a group learns from, an iteration
+    match_games: int = 50  # of each pairing in the round robin
+    warm_up_games: int = 400  # of each model to begin with against each bot, to rank them
+    bots: tuple[str, ...] = ("MA1", "MA2")  # that models go on meeting
+    partner_share: float = 0.4  # of these games, against the partner of the group
+    past_share: float = 0.3  # of these games, against the best of the iterations before
+    scenario: ScenarioName = "plain"
+    seed: Seed = 0
+    jobs: int = 1  # groups, then matches, side by side
+    json: Json = False
+
+    def run(self) -> int:
+        """Begin or go on, then print who was kept."""
+        from hexwar_sb3.commands.tournament import named
+        from hexwar_sb3.league.league import League
+        from hexwar_sb3.league.settings import LeagueSettings
+
+        if self.jobs < 1:
+            raise ConfigError(f"jobs must be at least 1, got {self.jobs}")
+        names = LeagueSettings.__dataclass_fields__
+        settings = LeagueSettings(**{name: value for name, value in vars(self).items() if name in names})
+        starters = {name: policy_folder(Path(path)) for name, path in named(self.starters).items()}
+        league = League.create(self.output, settings, starters)
+        compile_first(scenario=self.scenario)
+        try:
+            league.run(self.jobs, after=lambda k: print(in_words(league, k), file=sys.stderr, flush=True))
+        except KeyboardInterrupt:
+            print("\nstopped; the same command goes on", file=sys.stderr)
+            return INTERRUPTED
+        last = league.kept(settings.iterations)
+        champions = {camp: [str(member.folder) for member in members] for camp, members in last.items()}
+        if self.json:
+            print_json({"league": str(self.output), "kept": champions})
+        else:
+            rows = [
+                [camp, str(place + 1), path]
+                for camp, paths in champions.items()
+                for place, path in enumerate(paths)
+            ]
+            print(table(("colour", "place", "policy"), rows))
+        return 0
+
+
+def policy_folder(path: Path) -> Path:
+    """Folder of a policy: of a run, its policy/."""
+    return path / "policy" if (path / "policy" / "config.json").is_file() else path
+
+
+def in_words(league: League, k: int) -> str:
+    """One line on an iteration: the best of each colour."""
+    from hexwar_sb3.league.league import read_json
+
+    found = read_json(league.iteration(k) / "table.json")["standings"]
+    best = (
+        f"{camp} {found[camp][0]['name']} {100 * found[camp][0]['win_rate']:.1f} %"
+        for camp in ("red", "blue")
+    )
+    return f"iteration {k}: best {', '.join(best)}"

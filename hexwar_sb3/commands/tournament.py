@@ -1,0 +1,163 @@
+"""`hexwar tournament`: players meet each other, in both colours, on every map."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import tyro
+
+from hexwar_sb3.commands.output import compile_first, print_json, table
+from hexwar_sb3.commands.run_folder import write_text
+from hexwar_sb3.commands.settings import Games, Json, Seed, check_name
+from hexwar_sb3.errors import ConfigError
+
+if TYPE_CHECKING:
+    from hexwar_sb3.evaluation.intervals import Estimate
+    from hexwar_sb3.evaluation.panel import Terms
+    from hexwar_sb3.evaluation.tournament import Table
+
+PLAYERS = "bots' names, run folders or policy folders; NAME=PLAYER calls it NAME"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Tournament:
+    """Let every player meet every other in both colours; what was played is kept, so the same command goes on.
+
+    A policy decides as often as it was trained to.
+    """
+
+    players: Annotated[
+        tuple[str, ...], tyro.conf.Positional, tyro.conf.arg(metavar="PLAYER...", help=PLAYERS)
+    ]
+    # names of built-in scenarios, NAME@SEED for one like it, or paths of files
+    scenarios: tuple[str, ...] = ("plain",)
+    games: Games = 200
+    seed: Seed = 0
+    mirror: bool = False  # each player also meets itself
+    jobs: int = 1  # matches side by side
+    output: Path = Path("tournament")  # folder: matches/, table.txt, table.json, tournament.png
+    json: Json = False
+
+    def run(self) -> int:
+        """Play what is missing, then print and draw."""
+        from hexwar_sb3.evaluation.tournament import play_meetings, single_round_robin
+        from hexwar_sb3.evaluation.tournament_picture import draw_tournament
+
+        players = named(self.players)
+        if len(players) < 2 - self.mirror or not self.scenarios or self.jobs < 1:
+            raise ConfigError("a tournament needs two players, a scenario and jobs >= 1")
+        terms = self._terms(players)
+        for scenario in self.scenarios:
+            compile_first(*players.values(), scenario=scenario)
+        meetings = single_round_robin(list(players), self.scenarios, mirror=self.mirror)
+        found = play_meetings(meetings, players, players, terms, self.output / "matches", jobs=self.jobs)
+        figures = {"players": players, "elo": _elo(found), "matches": list(found.rows.values())}
+        write_text(self.output / "table.json", json.dumps(figures, indent=1, default=str) + "\n")
+        text = in_words(found, list(players))
+        write_text(self.output / "table.txt", text + "\n")
+        draw_tournament(found, list(players), self.output / "tournament.png")
+        if self.json:
+            print_json(figures)
+        else:
+            print(text, f"\npicture: {self.output / 'tournament.png'}")
+        return 0
+
+    def _terms(self, players: Mapping[str, str]) -> Terms:
+        """Terms of all matches.
+
+        Raises:
+            ConfigError: two policies were trained with other task sets or decision points.
+        """
+        from hexwar_sb3.bots.registry import BOTS
+        from hexwar_sb3.evaluation.panel import Terms, trained_terms
+
+        shared: dict[str, Any] = {}
+        for name, player in players.items():
+            for key, value in {} if player in BOTS else trained_terms(player).items():
+                if key in ("spots", "early") and shared.setdefault(key, value) != value:
+                    raise ConfigError(
+                        f"{name} was trained with {key} {value}, others with {shared[key]}: they cannot meet"
+                    )
+        return Terms(games=self.games, seed=self.seed, **shared)
+
+
+def named(players: tuple[str, ...]) -> dict[str, str]:
+    """Players by name: what is left of "=", or the path's last parts, as many as it takes to tell them apart.
+
+    Raises:
+        ConfigError: a name is given twice, or no name for a file.
+
+    Example:
+        >>> named(("MA1", "runs/a_1/policy", "runs/b_1/policy", "best=runs/c_1"))
+        {'MA1': 'MA1', 'a_1-policy': 'runs/a_1/policy', 'b_1-policy': 'runs/b_1/policy', 'best': 'runs/c_1'}
+    """
+    paths = [player.partition("=")[2] or player for player in players]
+    parts = [[part for part in Path(path).parts if part not in ("/", ".", "..")] or [path] for path in paths]
+    found: dict[str, str] = {}
+    for player, path, words in zip(players, paths, parts, strict=True):
+        depth = next(
+            (d for d in range(1, len(words)) if sum(other[-d:] == words[-d:] for other in parts) == 1),
+            len(words),
+        )
+        name = player.partition("=")[0] if "=" in player else "-".join(words[-depth:])
+        check_name("name of a player", name)
+        if name in found:
+            raise ConfigError(f"two players are called {name}; NAME=PLAYER gives another name")
+        found[name] = path
+    return found
+
+
+def in_words(found: Table, names: list[str]) -> str:
+    """Ratings, and a table a map."""
+    from hexwar_sb3.evaluation.tournament import Meeting
+
+    elo = found.ratings()
+    order = sorted(names, key=lambda name: -elo.players[name].value)
+    each = [found.ratings(scenario) for scenario in found.scenarios] if len(found.scenarios) > 1 else []
+    heads = (
+        "player",
+        "Elo",
+        *(f"on {Path(name).name}" for name in found.scenarios[: len(each)]),
+        "as red, %",
+        "as blue, %",
+    )
+    rows = [
+        [
+            name,
+            *(_whole(ratings.players[name]) for ratings in (elo, *each)),
+            *(found.win_rate(name, camp).percent() for camp in ("red", "blue")),
+        ]
+        for name in order
+    ]
+    parts = [table(heads, rows)]
+    for scenario, seat in elo.red_seat.items():
+        cells = [
+            [red, *(_cell(found.rows.get(Meeting(red=red, blue=blue, scenario=scenario))) for blue in order)]
+            for red in order
+        ]
+        head = f'"{Path(scenario).name}": win rate of red (rows) against blue (columns), %; red\'s seat is worth {_whole(seat)} Elo'
+        parts.append(f"{head}\n{table(('red', *order), cells)}")
+    return "\n\n".join(parts)
+
+
+def _whole(elo: Estimate) -> str:
+    return f"{elo.value:.0f} [{elo.low:.0f}, {elo.high:.0f}]"
+
+
+def _cell(row: Mapping[str, Any] | None) -> str:
+    if row is None:
+        return "-"
+    low, high = row["red"]["win_rate_interval"]
+    return f"{100 * row['red']['win_rate']:.1f} [{100 * low:.1f}, {100 * high:.1f}]"
+
+
+def _elo(found: Table) -> dict[str, Any]:
+    ratings = found.ratings()
+    kinds = {"players": ratings.players, "red_seat": ratings.red_seat}
+    return {
+        kind: {name: [e.value, e.low, e.high] for name, e in shown.items()} for kind, shown in kinds.items()
+    }

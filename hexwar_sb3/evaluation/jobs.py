@@ -1,0 +1,30 @@
+"""Jobs side by side: functions of their arguments alone, that leave files."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable, Sequence
+from typing import TypeVar
+
+from joblib import Parallel, delayed
+from tqdm import tqdm
+
+Spec = TypeVar("Spec")
+
+
+def run_jobs(function: Callable[[Spec], object], specs: Sequence[Spec], jobs: int, what: str) -> None:
+    """Call a function once a spec, some calls side by side in processes of joblib, and show how many have begun.
+
+    The backend is joblib's own (loky) or the one that `joblib.parallel_config` names.
+
+    Args:
+        function: leaves what it makes in files.
+        specs: its arguments; with more than one job they are pickled.
+        jobs: calls side by side; 1 stays in this process.
+        what: one of them, in a word.
+    """
+    shown = tqdm(specs, unit=what, dynamic_ncols=True, leave=False, disable=None)
+    with warnings.catch_warnings():
+        # Maps that a game reads into memory look like a leak, and loky starts another worker: nothing is lost.
+        warnings.filterwarnings("ignore", "A worker stopped while some jobs", UserWarning)
+        Parallel(n_jobs=jobs)(delayed(function)(spec) for spec in shown)

@@ -1,0 +1,215 @@
+"""Every player against every other on every map: matches that leave files, so that a tournament can go on.
+
+Each match is a job of its own. They run one after the other in this process, or with `jobs` side by side by
+joblib: on this machine, or on the cluster that `joblib.parallel_config` names.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from hexwar_sb3.bots.config import bots_hash
+from hexwar_sb3.errors import FileFormatError
+from hexwar_sb3.evaluation.elo import Pairing, Ratings, elo_ratings
+from hexwar_sb3.evaluation.intervals import Estimate, wilson
+from hexwar_sb3.evaluation.jobs import run_jobs
+from hexwar_sb3.evaluation.matches import play_match
+from hexwar_sb3.evaluation.panel import Terms, trained_terms
+from hexwar_sb3.evaluation.provenance import provenance
+from hexwar_sb3.files import replacing
+from hexwar_sb3.play.frozen import FrozenPolicy
+from hexwar_sb3.play.player import BotPlayer, make_player
+
+FORMAT = "hexwar match 1"
+LETTERS = {1.0: "W", 0.5: "D", 0.0: "L"}  # red's result of a game
+
+
+@dataclass(frozen=True, kw_only=True)
+class Meeting:
+    """A match to play: who meets whom, and where."""
+
+    red: str  # name of a player
+    blue: str
+    scenario: str
+
+    @property
+    def file(self) -> str:
+        """Name of its file."""
+        return f"{Path(self.scenario).name}~{self.red}~{self.blue}.json"
+
+
+@dataclass(frozen=True, eq=False)
+class Table:
+    """What came of meetings: a row each, as JSON values."""
+
+    rows: Mapping[Meeting, Mapping[str, Any]]
+
+    @property
+    def scenarios(self) -> list[str]:
+        """Maps that were played."""
+        return list(dict.fromkeys(meeting.scenario for meeting in self.rows))
+
+    def ratings(self, scenario: str | None = None) -> Ratings:
+        """Elo over all of them, or over those of a map."""
+        there = [(meeting, row) for meeting, row in self.rows.items() if scenario in (None, meeting.scenario)]
+        return elo_ratings([_pairing(meeting, row) for meeting, row in there])
+
+    def win_rate(self, name: str, camp: str, scenario: str | None = None) -> Estimate:
+        """Win rate of a player in one camp over all its games, in 0..1."""
+        rows = [
+            row[camp]
+            for meeting, row in self.rows.items()
+            if getattr(meeting, camp) == name and scenario in (None, meeting.scenario)
+        ]
+        return wilson(sum(row["wins"] + row["draws"] / 2 for row in rows), sum(row["games"] for row in rows))
+
+
+def _pairing(meeting: Meeting, row: Mapping[str, Any]) -> Pairing:
+    red = row["red"]
+    score = red["wins"] + red["draws"] / 2
+    return Pairing(**asdict(meeting), games=red["games"], score=score)
+
+
+def single_round_robin(
+    names: Sequence[str], scenarios: Iterable[str], *, mirror: bool = False
+) -> list[Meeting]:
+    """Every player as red against every other as blue, on every map.
+
+    Args:
+        names: of the players.
+        scenarios: names or paths.
+        mirror: each also meets itself.
+    """
+    return [
+        Meeting(red=red, blue=blue, scenario=scenario)
+        for scenario in scenarios
+        for red in names
+        for blue in names
+        if mirror or red != blue
+    ]
+
+
+def play_meetings(
+    meetings: Sequence[Meeting],
+    reds: Mapping[str, object],
+    blues: Mapping[str, object],
+    terms: Terms,
+    folder: Path,
+    *,
+    jobs: int = 1,
+) -> Table:
+    """Play what has no file yet, and read all of them.
+
+    Args:
+        meetings: matches to play.
+        reds: players by name: bots' names, folders, policies, models.
+        blues: likewise.
+        terms: games, seed, purpose and so on; the scenario is each meeting's, and a policy decides as often as it was
+            trained to.
+        folder: gets a file a match; who plays there again, goes on.
+        jobs: matches side by side.
+
+    Raises:
+        FileFormatError: a file of this name is of another match: other players, terms, rules.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    matches = {
+        meeting: Match(meeting, reds[meeting.red], blues[meeting.blue], terms, folder) for meeting in meetings
+    }
+    missing = [match for match in matches.values() if not match.is_played()]
+    run_jobs(play, missing, jobs, "match")
+    return Table({meeting: match.read() for meeting, match in matches.items()})
+
+
+@dataclass(frozen=True)
+class Match:
+    """One job: everything that a match needs, and where its file goes."""
+
+    meeting: Meeting
+    red: object
+    blue: object
+    terms: Terms
+    folder: Path
+
+    @property
+    def path(self) -> Path:
+        """Its file."""
+        return self.folder / self.meeting.file
+
+    def is_played(self) -> bool:
+        """The file is there; `read` says whether it is of this match."""
+        return self.path.is_file()
+
+    def head(self) -> dict[str, Any]:
+        """What the result depends on."""
+        terms = {
+            name: value for name, value in asdict(self.terms).items() if name not in ("scenario", "camps")
+        }
+        return {
+            "format": FORMAT,
+            "terms": {
+                **terms,
+                "purpose": self.terms.purpose.name,
+                "decision_ticks": list(self.decision_ticks),
+            },
+            "players": {"red": fingerprint(self.red), "blue": fingerprint(self.blue)},
+            **provenance(self.meeting.scenario),
+        }
+
+    @property
+    def decision_ticks(self) -> tuple[int, int]:
+        """Between decisions of red and of blue: as they were trained."""
+        red, blue = (trained_terms(player) for player in (self.red, self.blue))
+        usual = self.terms.decision_ticks
+        return red.get("decision_ticks", usual), blue.get("decision_ticks", usual)
+
+    def read(self) -> dict[str, Any]:
+        """Read the file of this match.
+
+        Raises:
+            FileFormatError: it is broken, or of another match.
+        """
+        try:
+            row = json.loads(self.path.read_text(encoding="utf-8"))
+        except (OSError, ValueError) as error:
+            raise FileFormatError(self.path, "file", found=str(error), expected="a match") from error
+        for key, value in self.head().items():
+            found = row.get(key) if isinstance(row, dict) else None
+            if found != value:
+                raise FileFormatError(
+                    self.path, key, found=str(found), expected=f"{value}; or choose another folder"
+                )
+        return dict(row)
+
+
+def play(match: Match) -> None:
+    """Play a match and leave its file: a function of `match` alone, in any process."""
+    terms, meeting = match.terms, match.meeting
+    result = play_match(
+        match.red,
+        match.blue,
+        terms.games,
+        meeting.scenario,
+        terms.seed,
+        purpose=terms.purpose,
+        decision_ticks=match.decision_ticks,
+        spots=terms.spots,
+        early=terms.early,
+    )
+    named = replace(result, red_name=meeting.red, blue_name=meeting.blue)
+    games = "".join(LETTERS[score] for score in result.red.scores)
+    row = {**named.summary(), **match.head(), "red_games": games}
+    with replacing(match.path) as temporary:
+        temporary.write_text(json.dumps(row) + "\n", encoding="utf-8")
+
+
+def fingerprint(player: object) -> str:
+    """What tells a player from others of its name: the hash of its weights, or of the bots; else its type."""
+    seat = make_player(player)
+    if isinstance(seat, BotPlayer):
+        return f"{seat.name} {bots_hash()}"
+    return seat.sha256 if isinstance(seat, FrozenPolicy) else type(seat).__name__

@@ -1,0 +1,201 @@
+"""Table I: warm-ups, grouped self-play and distillation in one pipeline, and who beats whom at its end (IV-A).
+
+Stages leave files and are skipped where these are: warm-ups (those of figure 7), league, heirs, matches.
+"""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+from hexwar_sb3.evaluation.intervals import Estimate, wilson
+from hexwar_sb3.evaluation.jobs import run_jobs
+from hexwar_sb3.evaluation.panel import BOTS, CONSTANT_PLANS, Terms
+from hexwar_sb3.evaluation.seeds import Purpose
+from hexwar_sb3.evaluation.tournament import Meeting, Table, play_meetings
+from hexwar_sb3.experiments.carry_out import carry_out
+from hexwar_sb3.experiments.fig7 import pair
+from hexwar_sb3.experiments.runs import Budget, Places, Run
+from hexwar_sb3.league.distil import Lessons
+from hexwar_sb3.league.heir import DISTILLED, LEARNED, HeirSpec, make_heir
+from hexwar_sb3.league.league import League
+from hexwar_sb3.league.member import CAMPS
+from hexwar_sb3.league.picture import draw_league
+from hexwar_sb3.league.settings import LeagueSettings
+
+NAME = "table1"
+ROWS = ("HRL0", "HRL1", "HRL2", "CAI")
+UNSEEN = ("nearest", "defender")  # bots that nothing was trained or selected against
+COLUMNS = (*BOTS, "HRL0", "HRL1", *UNSEEN)
+DISTILLED_ROW = "CAI, distilled only"
+WARM_UPS = 10_000  # games
+Say = Callable[[str], object]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Table1:
+    """The pipeline and its places."""
+
+    places: Places
+    seeds: tuple[int, ...] = (0, 1, 2, 3)  # of the warm-ups
+    settings: LeagueSettings = field(default_factory=LeagueSettings)
+    lessons: Lessons = field(default_factory=Lessons)
+    heir_games: int = 3_000  # in which CAI learns on
+    games: int = 2_000  # a cell
+    progress_games: int = 400  # a colour and opponent, for each point of the league's picture
+    jobs: int = 1  # side by side
+
+    @property
+    def kept(self) -> Path:
+        """Small files that are committed."""
+        return self.places.results / NAME
+
+    @property
+    def work(self) -> Path:
+        """The league and the heirs as they are made."""
+        return self.places.work / NAME
+
+    def warm_ups(self) -> list[Run]:
+        """Trainings of figure 7 on this map."""
+        return [pair(self.settings.scenario, seed, Budget(games=WARM_UPS))[0] for seed in self.seeds]
+
+    def run(self, say: Say) -> Table | None:
+        """Make what is missing; None if a warm-up failed."""
+        if carry_out(self.warm_ups(), self.places, jobs=self.jobs, say=say):
+            return None
+        league = self.league()
+        league.run(self.jobs, after=lambda k: self._after(league, k, say))
+        say("heirs: distillation, then learning on")
+        missing = [spec for spec in self.heirs(league) if not self.policy("CAI", spec.camp).is_dir()]
+        run_jobs(make_heir, missing, self.jobs, "heir")
+        self._keep_policies(league)
+        if not (self.kept / "league.png").exists():
+            say("matches of the best of each iteration")
+            draw_league(league, self.progress(league), self.kept / "league.png")
+        say("matches of the table")
+        return self.measure()
+
+    def states(self) -> dict[str, str]:
+        """How far each stage is."""
+        league, heirs = self.kept / "league", [self.policy("CAI", camp).is_dir() for camp in CAMPS]
+        done = [k for k in range(self.settings.iterations + 1) if (league / f"iteration_{k:02d}").is_dir()]
+        played = len(list((self.kept / "matches").glob("*.json")))
+        return {
+            **{f"warm-up {run.name}": self.places.state(run) for run in self.warm_ups()},
+            "iterations of the league": f"{max(done, default=0)} of {self.settings.iterations}",
+            "heirs": f"{sum(heirs)} of {len(heirs)}",
+            "matches": f"{played} of {len(self.meetings())}",
+        }
+
+    def league(self) -> League:
+        """The league, in its working place; what was committed is gone on with."""
+        folder, kept = self.work / "league", self.kept / "league"
+        if not folder.exists() and kept.exists():
+            shutil.copytree(kept, folder)
+        starters = {run.name: self.places.kept(run) / "policy" for run in self.warm_ups()}
+        return League.create(folder, self.settings, starters)
+
+    def _after(self, league: League, k: int, say: Say) -> None:
+        if k > 0 and not (self.kept / "league" / f"iteration_{k:02d}").exists():
+            league.keep(self.kept / "league")
+        say(f"league: iteration {k} of {self.settings.iterations} is done")
+
+    def heirs(self, league: League) -> list[HeirSpec]:
+        """One heir a camp: taught by the two best, it learns on against whom the last iteration kept, the past and bots."""
+        last, settings = league.kept(self.settings.iterations), self.settings
+        specs = []
+        for camp, enemy in (CAMPS, CAMPS[::-1]):
+            others = league.others(settings.iterations + 1, camp)
+            share = settings.partner_share / len(last[enemy])
+            latest = [(str(member.folder), share) for member in last[enemy]]
+            specs.append(
+                HeirSpec(
+                    camp=camp,
+                    teachers=tuple(last[camp][:2]),
+                    opponents=[*latest, *others],
+                    lessons=self.lessons,
+                    games=self.heir_games,
+                    refit_games=settings.refit_games,
+                    seed=(settings.seed, settings.iterations + 1),
+                    folder=self.work / "heirs" / camp,
+                    env=league.env(),
+                    learner=league.learner(self.heir_games),
+                    about=league.terms(0, 1).about(),
+                )
+            )
+        return specs
+
+    def progress(self, league: League) -> dict[str, dict[int, Estimate]]:
+        """Win rate of the best models of each iteration, both colours, against HRL0 and the bots; games that select."""
+        terms = replace(self.terms, games=self.progress_games, purpose=Purpose.SELECTION)
+        best = {
+            camp: {str(k): str(league.kept(k)[camp][0].folder) for k in self._iterations} for camp in CAMPS
+        }
+        first = league.kept(0)
+        found: dict[str, dict[int, Estimate]] = {}
+        for name in ("HRL0", *BOTS):
+            rival = {camp: name if name in BOTS else str(first[camp][0].folder) for camp in CAMPS}
+            reds, blues = ({**best[camp], name: rival[camp]} for camp in CAMPS)
+            pairs = [(str(k), name) for k in self._iterations] + [(name, str(k)) for k in self._iterations]
+            meetings = [Meeting(red=red, blue=blue, scenario=terms.scenario) for red, blue in pairs]
+            table = play_meetings(meetings, reds, blues, terms, self.work / "progress", jobs=self.jobs)
+            found[name] = {k: _both(table, str(k)) for k in self._iterations}
+        return found
+
+    @property
+    def _iterations(self) -> range:
+        return range(self.settings.iterations + 1)
+
+    @property
+    def terms(self) -> Terms:
+        """Of the matches of the table: fresh games, that nothing was trained or selected on."""
+        return Terms(scenario=self.settings.scenario, games=self.games, seed=self.settings.seed)
+
+    def _keep_policies(self, league: League) -> None:
+        """Copy the policies of the table, without mixers."""
+        first, last = league.kept(0), league.kept(self.settings.iterations)
+        for camp in CAMPS:
+            heir = self.work / "heirs" / camp
+            found = {
+                "HRL0": first[camp][0].folder,
+                "HRL1": last[camp][0].folder,
+                "HRL2": last[camp][1].folder,
+                DISTILLED: heir / DISTILLED,
+                "CAI": heir / LEARNED,
+            }
+            for name, folder in found.items():
+                target = self.policy(name, camp)
+                if not target.exists():
+                    shutil.copytree(folder, target, ignore=shutil.ignore_patterns("mixer"))
+
+    def policy(self, name: str, camp: str) -> Path:
+        """Committed folder of a policy of the table."""
+        return self.kept / "policies" / name / camp
+
+    def players(self, camp: str) -> dict[str, object]:
+        """Players of a camp, by the name of their row or column."""
+        policies = {name: self.policy(name, camp) for name in (*ROWS, DISTILLED)}
+        return {**policies, **{bot: bot for bot in (*BOTS, *UNSEEN, *CONSTANT_PLANS)}}
+
+    def meetings(self) -> list[Meeting]:
+        """Every row against every column, in both colours."""
+        rows = (*ROWS, DISTILLED, *CONSTANT_PLANS)
+        pairs = [(a, b) for row in rows for column in COLUMNS for a, b in ((row, column), (column, row))]
+        return [
+            Meeting(red=red, blue=blue, scenario=self.settings.scenario) for red, blue in dict.fromkeys(pairs)
+        ]
+
+    def measure(self) -> Table:
+        """Play the matches of the table."""
+        reds, blues = (self.players(camp) for camp in CAMPS)
+        return play_meetings(self.meetings(), reds, blues, self.terms, self.kept / "matches", jobs=self.jobs)
+
+
+def _both(table: Table, name: str) -> Estimate:
+    """Win rate of a player in both camps together."""
+    cells = [
+        row[camp] for meeting, row in table.rows.items() for camp in CAMPS if getattr(meeting, camp) == name
+    ]
+    return wilson(sum(c["wins"] + c["draws"] / 2 for c in cells), sum(c["games"] for c in cells))

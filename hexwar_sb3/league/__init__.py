@@ -1,0 +1,1 @@
+"""Grouped self-play (III-C, Fig. 6): groups, round robin, selection."""

@@ -1,0 +1,69 @@
+"""The combination of the best (CAI, Fig. 6 (c)): teachers are distilled into one model, which then learns on."""
+
+from __future__ import annotations
+
+import shutil
+import tempfile
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from hexwar_sb3.algorithms.qmix import QMIX
+from hexwar_sb3.envs.registration import make_vec_env
+from hexwar_sb3.evaluation.seeds import Purpose, seed_for
+from hexwar_sb3.league.cost import measured
+from hexwar_sb3.league.distil import Lessons, distill
+from hexwar_sb3.league.group import Opponents, env_steps, job_seed, one_thread
+from hexwar_sb3.league.member import CAMPS, Member, publish, save_member
+
+DISTILLED, LEARNED = "distilled", "learned"  # folders of the two stages
+
+
+@dataclass(frozen=True, kw_only=True)
+class HeirSpec:
+    """All that the making of an heir depends on."""
+
+    camp: str
+    teachers: tuple[Member, ...]
+    opponents: Opponents
+    lessons: Lessons
+    games: int  # in which the student learns on
+    refit_games: int  # before them, in which its mixer alone learns
+    seed: tuple[int, ...]
+    folder: Path  # gets distilled/ and learned/
+    env: Mapping[str, Any]  # settings of the task env
+    learner: Mapping[str, Any]  # arguments of QMIX
+    about: Mapping[str, str]  # texts for the policies' folders
+
+
+def make_heir(spec: HeirSpec) -> None:
+    """Distil and learn on (Fig. 6 (c)), and leave both policies: a function of `spec` alone, in any process.
+
+    Raises:
+        PolicyFileError: a teacher's folder is broken.
+        TrainingError: a gradient is not finite; no folder is left.
+    """
+    if spec.folder.is_dir():
+        return
+    seed = job_seed(*spec.seed, CAMPS.index(spec.camp))
+    teachers = [member.policy() for member in spec.teachers]
+    env = {**spec.env, "side": spec.camp, "opponent": list(spec.opponents), "privileged_state": True}
+    about = {**spec.about, "teachers": ", ".join(member.name for member in spec.teachers)}
+    spec.folder.parent.mkdir(parents=True, exist_ok=True)
+    made = Path(tempfile.mkdtemp(prefix=".new-", dir=spec.folder.parent))
+    try:
+        with one_thread(), measured(made, "heir"):
+            games = make_vec_env(
+                "HexWarTask-v0", seed=seed_for(Purpose.TRAINING, seed), lower=teachers[0].lower, **env
+            )
+            student = QMIX("TaskPolicy", games, seed=seed, **spec.learner)
+            distill(teachers, student, env, spec.lessons, seed)
+            save_member(student, made / DISTILLED, side=spec.camp, **about)
+            student.refit_mixer(env_steps(env, spec.refit_games))
+            student.learn(env_steps(env, spec.games), reset_num_timesteps=False)
+            student.policy.settle()
+            save_member(student, made / LEARNED, side=spec.camp, **about)
+        publish(made, spec.folder)
+    finally:
+        shutil.rmtree(made, ignore_errors=True)

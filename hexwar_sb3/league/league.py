@@ -1,0 +1,365 @@
+"""The league: its folder is its state. Killed anywhere, it goes on there and ends the same (Fig. 6).
+
+* `league.json`: settings, and what the figures depend on.
+* `iteration_00/models/NAME/`: the models that it began with; `iteration_00/table.json`: how they did against the bots.
+* `iteration_03/groups/3-r0b2/red/`: what iteration 3 made of the best red model in the group with the third best blue.
+* `iteration_03/table.json`: the round robin of all of them, who was kept, and whom they come from.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+import shutil
+from collections.abc import Callable, Mapping
+from dataclasses import asdict, dataclass, fields, replace
+from pathlib import Path
+from typing import Any
+
+from hexwar_sb3.errors import ConfigError, FileFormatError
+from hexwar_sb3.evaluation.jobs import run_jobs
+from hexwar_sb3.evaluation.panel import Terms, trained_terms
+from hexwar_sb3.evaluation.provenance import provenance
+from hexwar_sb3.evaluation.seeds import Purpose
+from hexwar_sb3.files import replacing
+from hexwar_sb3.league.cost import measured
+from hexwar_sb3.league.group import GroupSpec, Opponents, job_seed, train_group
+from hexwar_sb3.league.member import CAMPS, Member, publish
+from hexwar_sb3.league.selection import play_all, select, standings
+from hexwar_sb3.league.settings import EXPLORING_SHARE, LeagueSettings
+from hexwar_sb3.play.frozen import FrozenPolicy
+from hexwar_sb3.policies.mixer_files import FOLDER as MIXER_FOLDER
+from hexwar_sb3.rules.ruleset import default_rules
+
+FORMAT = "hexwar league 1"
+NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]{0,79}")
+MAX_BYTES = 1 << 22  # of a JSON file
+Generation = dict[str, list[Member]]  # by camp, the best first
+
+
+@dataclass(frozen=True)
+class League:
+    """Grouped self-play (III-C, Fig. 6) in a folder."""
+
+    folder: Path
+    settings: LeagueSettings
+
+    @classmethod
+    def open(cls, folder: Path) -> League:
+        """Read a league's settings.
+
+        Raises:
+            FileFormatError: the file is missing or broken, of other rules, bots or scenario.
+            ConfigError: a setting is out of its range.
+        """
+        path = folder / "league.json"
+        found = read_json(path)
+        values, known = found.get("settings"), {field.name for field in fields(LeagueSettings)}
+        kinds = {"bots": list, "learner": dict, "scenario": str}
+        if (
+            found.get("format") != FORMAT
+            or not isinstance(values, dict)
+            or set(values) != known
+            or not all(isinstance(values[name], kind) for name, kind in kinds.items())
+        ):
+            said = f"{str(found.get('format'))[:40]!r} with {str(values)[:60]}"
+            raise FileFormatError(path, "format", found=said, expected=f"{FORMAT!r} with settings")
+        settings = LeagueSettings(**{**values, "bots": tuple(values["bots"])})
+        for key, value in provenance(settings.scenario).items():
+            if key != "software" and found.get(key) != value:
+                raise FileFormatError(path, key, found=str(found.get(key)), expected=value)
+        return cls(folder, settings)
+
+    @classmethod
+    def create(cls, folder: Path, settings: LeagueSettings, starters: Mapping[str, Path]) -> League:
+        """Begin a league, or go on with the one that lies there.
+
+        Args:
+            folder: of the league.
+            settings: of it.
+            starters: policy folders by name; one that was trained in both colours is in both.
+
+        Raises:
+            ConfigError: there is a league of other settings, or a colour has no starter.
+            PolicyFileError: a starter is broken.
+        """
+        if (folder / "league.json").exists():
+            return cls.open(folder).prolonged(settings)
+        league = cls(folder, settings)
+        for name, policy in starters.items():
+            if not NAME.fullmatch(name):
+                raise ConfigError(f"a model's name is of letters, digits, '.', - and _, got {name!r}")
+            league._take_in(name, policy)
+        for camp in CAMPS:
+            if not league.starters(camp):
+                raise ConfigError(f"no model to begin with for {camp}")
+        league._write_head()
+        return league
+
+    def _write_head(self) -> None:
+        head = {"format": FORMAT, "settings": asdict(self.settings), **provenance(self.settings.scenario)}
+        write_json(self.folder / "league.json", head)
+
+    def prolonged(self, settings: LeagueSettings) -> League:
+        """The same league, perhaps with more iterations.
+
+        Raises:
+            ConfigError: it has other settings, or more iterations already.
+        """
+        longer = replace(self.settings, iterations=max(self.settings.iterations, settings.iterations))
+        if settings != longer:
+            found = _difference(self.settings, settings)
+            raise ConfigError(f"{self.folder} holds a league of other settings: {found}")
+        league = League(self.folder, settings)
+        league._write_head()
+        return league
+
+    def _take_in(self, name: str, policy: Path) -> None:
+        FrozenPolicy.load(policy, rules=default_rules().hash)
+        made = self.folder / f".new-{name}"
+        shutil.rmtree(made, ignore_errors=True)
+        shutil.copytree(policy, made)
+        self._starters.mkdir(parents=True, exist_ok=True)
+        publish(made, self._starters / name)
+
+    @property
+    def _starters(self) -> Path:
+        return self.iteration(0) / "models"
+
+    def starters(self, camp: str) -> list[Member]:
+        """Models that the league began with, as far as they were trained in a camp."""
+        folders = sorted(path for path in self._starters.glob("*") if NAME.fullmatch(path.name))
+        members = [Member(camp, path.name, path) for path in folders]
+        return [one for one in members if one.policy().about.get("side", "both") in (camp, "both")]
+
+    def iteration(self, k: int) -> Path:
+        """Folder of an iteration."""
+        return self.folder / f"iteration_{k:02d}"
+
+    def table(self, k: int) -> Path:
+        """File with the standings of an iteration, and who was kept."""
+        return self.iteration(k) / "table.json"
+
+    def is_done(self, k: int) -> bool:
+        """The round robin of an iteration is over, and who is kept is known."""
+        return self.table(k).is_file()
+
+    def kept(self, k: int) -> Generation:
+        """Models that iteration k kept, the best first.
+
+        Raises:
+            FileFormatError: its table is broken.
+        """
+        path = self.table(k)
+        kept, known = read_json(path).get("kept"), self.models(k)
+        found: Generation = {}
+        for camp in CAMPS:
+            by_name = {member.name: member for member in known[camp]}
+            names = kept.get(camp) if isinstance(kept, dict) else None
+            if (
+                not isinstance(names, list)
+                or len(names) != self.settings.keep
+                or not set(names) <= set(by_name)
+            ):
+                raise FileFormatError(
+                    path,
+                    f"kept.{camp}",
+                    found=str(names)[:80],
+                    expected=f"{self.settings.keep} models of this iteration",
+                )
+            found[camp] = [by_name[name] for name in names]
+        return found
+
+    def models(self, k: int) -> Generation:
+        """All models of an iteration."""
+        if k == 0:
+            return {camp: self.starters(camp) for camp in CAMPS}
+        names = [group_name(k, i, j) for i in range(self.settings.keep) for j in range(self.settings.keep)]
+        return {camp: [Member(camp, name, self.group(k, name) / camp) for name in names] for camp in CAMPS}
+
+    def group(self, k: int, name: str) -> Path:
+        """Folder of a group of an iteration."""
+        return self.iteration(k) / "groups" / name
+
+    def run(self, jobs: int = 1, after: Callable[[int], object] = id) -> None:
+        """Make the iterations that are missing.
+
+        Args:
+            jobs: groups, then matches, side by side.
+            after: called with the number of each iteration that is done.
+        """
+        self._rank_starters(jobs)
+        after(0)
+        for k in range(1, self.settings.iterations + 1):
+            if not self.is_done(k):
+                with measured(self.iteration(k), "groups"):
+                    self._train_groups(k, jobs)
+                with measured(self.iteration(k), "round robin"):
+                    self._select(k, jobs)
+            after(k)
+
+    def _rank_starters(self, jobs: int) -> None:
+        """Order the first models by their games against the bots; the best of a colour is HRL0."""
+        if self.is_done(0):
+            return
+        rows, kept, terms = {}, {}, self.terms(0, self.settings.warm_up_games)
+        bots: dict[str, object] = {bot: bot for bot in self.settings.bots or ("MA1", "MA2")}
+        for camp in CAMPS:
+            models: dict[str, object] = {member.name: member.folder for member in self.starters(camp)}
+            red, blue = (models, bots) if camp == "red" else (bots, models)
+            table = play_all(red, blue, terms, self.iteration(0) / "matches" / camp, jobs=jobs)
+            rows[camp], kept[camp] = standings(table, camp), select(table, self.settings.keep)[camp]
+        write_json(self.table(0), {"iteration": 0, "kept": kept, "standings": rows})
+
+    def _train_groups(self, k: int, jobs: int) -> None:
+        run_jobs(train_group, [spec for spec in self.specs(k) if not spec.folder.is_dir()], jobs, "group")
+
+    def specs(self, k: int) -> list[GroupSpec]:
+        """What the groups of an iteration depend on: the models that were kept, and those before them."""
+        kept, settings = self.kept(k - 1), self.settings
+        others = {camp: self.others(k, camp) for camp in CAMPS}
+        return [
+            GroupSpec(
+                members={"red": kept["red"][i], "blue": kept["blue"][j]},
+                others=others,
+                partner_share=settings.partner_share,
+                games=settings.games,
+                rounds=settings.rounds,
+                refit_games=settings.refit_games,
+                seed=(settings.seed, k, i, j),
+                folder=self.group(k, group_name(k, i, j)),
+                env=self.env(),
+                learner=self.learner(settings.games),
+                about=self.terms(0, 1).about(),
+            )
+            for i in range(settings.keep)
+            for j in range(settings.keep)
+        ]
+
+    def learner(self, games: int) -> dict[str, Any]:
+        """Arguments of QMIX for so many games."""
+        return {"exploration_episodes": max(1, int(EXPLORING_SHARE * games)), **self.settings.learner}
+
+    def others(self, k: int, camp: str) -> Opponents:
+        """Whom models of a colour meet beside their partners: the best of all iterations before, and bots."""
+        enemy, settings = CAMPS[1 - CAMPS.index(camp)], self.settings
+        past: list[object] = [str(self.kept(before)[enemy][0].folder) for before in range(k)]
+        bots_share = 1.0 - settings.partner_share - settings.past_share
+        shares = ((past, settings.past_share), (list(settings.bots), bots_share))
+        return [
+            (player, share / len(players)) for players, share in shares for player in players if share > 0
+        ]
+
+    def _select(self, k: int, jobs: int) -> None:
+        models = self.models(k)
+        reds, blues = ({member.name: member.folder for member in models[camp]} for camp in CAMPS)
+        table = play_all(
+            reds, blues, self.terms(k, self.settings.match_games), self.iteration(k) / "matches", jobs=jobs
+        )
+        rows = {camp: standings(table, camp) for camp in CAMPS}
+        before = self.kept(k - 1)
+        for camp in CAMPS:
+            for row in rows[camp]:
+                row["parent"] = before[camp][parent_of(row["name"], camp)].name
+        wins = {
+            f"{meeting.red} {meeting.blue}": row["red"]["win_rate"] for meeting, row in table.rows.items()
+        }
+        found = {
+            "iteration": k,
+            "kept": select(table, self.settings.keep),
+            "standings": rows,
+            "red_win_rates": wins,
+        }
+        write_json(self.table(k), found)
+
+    def terms(self, k: int, games: int) -> Terms:
+        """Of the games that select in iteration k."""
+        trained = trained_terms(self.starters("red")[0].folder)
+        seed = job_seed(self.settings.seed, k)
+        return Terms(
+            **{**trained, "scenario": self.settings.scenario},
+            games=games,
+            seed=seed,
+            purpose=Purpose.SELECTION,
+        )
+
+    def keep(self, folder: Path) -> None:
+        """Copy what it takes to go on: tables, the best of each iteration, and all that the last one kept."""
+        done = [k for k in range(self.settings.iterations + 1) if self.is_done(k)]
+        new = folder.with_name(f".new-{folder.name}")
+        shutil.rmtree(new, ignore_errors=True)
+        new.mkdir(parents=True)
+        shutil.copyfile(self.folder / "league.json", new / "league.json")
+        for k in done:
+            place = self.iteration(k).relative_to(self.folder)
+            (new / place).mkdir()
+            for file in self.iteration(k).glob("*.json"):
+                shutil.copyfile(file, new / place / file.name)
+            for members in self.kept(k).values():
+                for member in members if k in (0, done[-1]) else members[:1]:
+                    without = None if k == done[-1] else shutil.ignore_patterns(MIXER_FOLDER)
+                    target = new / member.folder.relative_to(self.folder)
+                    if not target.exists():
+                        shutil.copytree(member.folder, target, ignore=without)
+        shutil.rmtree(folder, ignore_errors=True)
+        new.rename(folder)
+
+    @property
+    def env_steps(self) -> int:
+        """Env steps of all groups together, mixers that were refitted apart."""
+        each = self.specs(1)[0].steps if self.settings.iterations else 0
+        return 2 * self.settings.keep**2 * self.settings.iterations * each
+
+    def env(self) -> dict[str, Any]:
+        """Settings of the task env."""
+        terms, settings = self.terms(0, 1), self.settings
+        return {
+            "scenario": settings.scenario,
+            "decision_ticks": terms.decision_ticks,
+            "spots": terms.spots,
+            "decisions": "event" if terms.early else "fixed",
+            "reward": "net",
+            "n_envs": settings.n_envs,
+        }
+
+
+def group_name(k: int, i: int, j: int) -> str:
+    """Name of a group: its iteration, and the places of its red and blue model among those that were kept."""
+    return f"{k}-r{i}b{j}"
+
+
+def parent_of(name: str, camp: str) -> int:
+    """Place of a model's parent among the models of its colour that were kept."""
+    red, _, blue = name.partition("-r")[2].partition("b")
+    return int(red if camp == "red" else blue)
+
+
+def read_json(path: Path) -> dict[str, Any]:
+    """Read a JSON object.
+
+    Raises:
+        FileFormatError: it is missing, too large or broken.
+    """
+    try:
+        size = path.stat().st_size
+        if size > MAX_BYTES:
+            raise FileFormatError(path, "file size", found=f"{size} bytes", expected=f"at most {MAX_BYTES}")
+        values = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError, RecursionError) as error:
+        if isinstance(error, FileFormatError):
+            raise
+        raise FileFormatError(path, "file", found=str(error), expected="a league's file") from error
+    if not isinstance(values, dict):
+        raise FileFormatError(path, "file", found=type(values).__name__, expected="names and values")
+    return values
+
+
+def write_json(path: Path, values: Mapping[str, Any]) -> None:
+    """Write a JSON object, at once or not at all."""
+    with replacing(path) as temporary:
+        temporary.write_text(json.dumps(values, indent=1) + "\n", encoding="utf-8")
+
+
+def _difference(mine: LeagueSettings, other: LeagueSettings) -> str:
+    pairs = ((name, value, getattr(other, name)) for name, value in asdict(mine).items())
+    return ", ".join(f"{name} {a}, not {b}" for name, a, b in pairs if a != b)

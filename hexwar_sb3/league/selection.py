@@ -1,0 +1,58 @@
+"""Who is kept: average win rate in a single round robin of all red against all blue models."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from hexwar_sb3.evaluation.panel import Terms
+from hexwar_sb3.evaluation.tournament import Meeting, Table, play_meetings
+
+Standing = dict[str, Any]  # name, win_rate with its interval, mean_margin
+
+
+def play_all(
+    reds: Mapping[str, object], blues: Mapping[str, object], terms: Terms, folder: Path, *, jobs: int = 1
+) -> Table:
+    """Play every red model against every blue one.
+
+    Args:
+        reds: players by name.
+        blues: likewise; a name may be in both.
+        terms: of the games.
+        folder: gets a file a match.
+        jobs: matches side by side.
+    """
+    meetings = [Meeting(red=red, blue=blue, scenario=terms.scenario) for red in reds for blue in blues]
+    return play_meetings(meetings, reds, blues, terms, folder, jobs=jobs)
+
+
+def standings(table: Table, camp: str) -> list[Standing]:
+    """Models of a colour by their average win rate, the best first; equal ones by margin, then by name."""
+    rows: dict[str, list[Mapping[str, Any]]] = {}
+    for meeting, row in table.rows.items():
+        rows.setdefault(getattr(meeting, camp), []).append(row[camp])
+    found = []
+    for name, cells in rows.items():
+        rate = table.win_rate(name, camp)
+        margin = sum(cell["mean_margin"] for cell in cells) / len(cells)
+        interval = [rate.low, rate.high]
+        found.append(
+            {"name": name, "win_rate": rate.value, "win_rate_interval": interval, "mean_margin": margin}
+        )
+    return sorted(found, key=lambda one: (-one["win_rate"], -one["mean_margin"], one["name"]))
+
+
+def select(table: Table, keep: int) -> dict[str, Sequence[str]]:
+    """Names of the best models of each colour, the best first; repeated where there are fewer.
+
+    Example:
+        >>> select(table, keep=4)["red"]
+        ['3-r0b2', '3-r1b2', '3-r0b0', '3-r3b2']
+    """
+    kept: dict[str, Sequence[str]] = {}
+    for camp in ("red", "blue"):
+        names = [one["name"] for one in standings(table, camp)]
+        kept[camp] = [names[k % len(names)] for k in range(keep)]
+    return kept

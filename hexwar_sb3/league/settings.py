@@ -1,0 +1,103 @@
+"""What a league can be told, checked once; it is written down in the league's folder."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+from hexwar_sb3.checks import check_whole
+from hexwar_sb3.envs.settings import check_share
+from hexwar_sb3.errors import ConfigError, UnknownNameError
+
+LEARNER: dict[str, Any] = {
+    "learning_rate": 3e-4,
+    "learning_starts": 0,
+    "buffer_size": 20_000,
+    "exploration_initial_eps": 0.1,
+    "exploration_final_eps": 0.01,
+}
+"""Arguments of QMIX for a model that learns on; epsilon falls over the first 40 % of its games."""
+
+EXPLORING_SHARE = 0.4
+LEARNS_BY = (
+    *("learning_rate", "batch_size", "buffer_size", "learning_starts", "gradient_steps", "tau", "gamma"),
+    *("mixer", "n_steps", "td_lambda", "double_q", "loss", "reward_scale", "stickiness", "max_grad_norm"),
+    *("exploration_initial_eps", "exploration_final_eps", "exploration_episodes", "exploration_every"),
+)
+"""Arguments of QMIX that a league may set; none of them names a file."""
+MOST_STEPS = 1_000_000  # of a replay
+RANGES = {
+    "iterations": (0, 1_000),
+    "keep": (1, 16),
+    "games": (1, 1_000_000),
+    "rounds": (1, 1_000),
+    "refit_games": (0, 100_000),
+    "match_games": (1, 100_000),
+    "warm_up_games": (1, 100_000),
+    "seed": (0, 999_999),
+    "n_envs": (1, 1_024),
+}
+
+
+@dataclass(frozen=True, kw_only=True)
+class LeagueSettings:
+    """Grouped self-play as in III-C and IV-A, with opponents of the past and bots beside it."""
+
+    iterations: int = 10
+    keep: int = 4  # models of each colour that an iteration keeps; keep * keep groups train
+    games: int = 800  # that each of the two models of a group learns from
+    rounds: int = 2  # parts of them: red and blue learn in turn
+    partner_share: float = 0.4  # of these games against the partner
+    past_share: float = 0.3  # against the best of each iteration before
+    bots: tuple[str, ...] = ("MA1", "MA2")  # the rest is theirs
+    refit_games: int = (
+        100  # before them, in which the mixer alone learns: the replay fills, the opponents are new
+    )
+    match_games: int = 50  # of each pairing in the round robin that selects
+    warm_up_games: int = 400  # against each bot, to choose the first models
+    scenario: str = "plain"
+    seed: int = 0
+    n_envs: int = 32
+    learner: dict[str, Any] = field(default_factory=lambda: dict(LEARNER))
+
+    def __post_init__(self) -> None:
+        """Check everything: a league's file may come from a stranger.
+
+        Raises:
+            ConfigError: a number is out of its range, or a value of another kind.
+            UnknownNameError: no such argument of the learner.
+        """
+        for name, (least, most) in RANGES.items():
+            if check_whole(name, getattr(self, name), least=least) > most:
+                raise ConfigError(f"{name} must be at most {most}, got {getattr(self, name)}")
+        for name in ("partner_share", "past_share"):
+            check_share(name, check_number(name, getattr(self, name)))
+        named: tuple[object, ...] = (self.scenario, *self.bots)
+        if not all(isinstance(name, str) for name in named):
+            raise ConfigError(f"scenario and bots are names, got {self.scenario!r} and {self.bots!r}")
+        shares = self.partner_share + self.past_share
+        if shares > 1.0:
+            raise ConfigError(f"partner_share and past_share must add up to at most 1, got {shares}")
+        if shares < 1.0 and not self.bots:
+            raise ConfigError("without bots, partner_share and past_share must add up to 1")
+        self._check_learner()
+
+    def _check_learner(self) -> None:
+        for name, value in self.learner.items():
+            if name not in LEARNS_BY:
+                raise UnknownNameError("argument of the learner", name, LEARNS_BY)
+            if not isinstance(value, int | float | str | None):
+                raise ConfigError(f"{name} of the learner is a number or a name, got {value!r}")
+        if check_whole("buffer_size", self.learner.get("buffer_size", 1), least=1) > MOST_STEPS:
+            raise ConfigError(f"buffer_size must be at most {MOST_STEPS}, got {self.learner['buffer_size']}")
+
+
+def check_number(setting: str, value: object) -> float:
+    """Return a number.
+
+    Raises:
+        ConfigError: it is none.
+    """
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise ConfigError(f"{setting} must be a number, got {value!r}")
+    return value

@@ -1,0 +1,104 @@
+"""A pool of one's own past, for QMIX and for stock MaskablePPO."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from sb3_contrib import MaskablePPO
+from stable_baselines3.common.vec_env import VecEnv, VecMonitor
+
+from hexwar_sb3.algorithms.qmix import QMIX
+from hexwar_sb3.callbacks.self_play import SelfPlayCallback, frozen_copy
+from hexwar_sb3.envs.registration import make_vec_env
+from hexwar_sb3.errors import ConfigError
+from hexwar_sb3.evaluation.matches import play_match
+from hexwar_sb3.play.frozen import FrozenPolicy
+from hexwar_sb3.play.lower_policy import fastest_way_network
+
+SMALL: dict[str, Any] = {"learning_starts": 0, "buffer_size": 200, "batch_size": 8, "seed": 0}
+
+
+def games(**settings: Any) -> VecEnv:
+    return make_vec_env(n_envs=2, seed=3, **settings)
+
+
+def qmix() -> QMIX:
+    return QMIX("TaskPolicy", games(privileged_state=True), **SMALL)
+
+
+def rivals(model: Any) -> list[object]:
+    return list(model.get_env().get_attr("games")[0].rivals)
+
+
+def test_opponents_are_copies_of_the_learner() -> None:
+    model, pool = qmix(), SelfPlayCallback(48)
+    first = model.policy.freeze().sha256
+    model.learn(24 * 2 * 4, callback=pool)
+
+    assert len(pool.pool) == 5  # at 0, 48, 96, 144 and 192, the end
+    hashes = [copy.sha256 for copy in pool.pool if isinstance(copy, FrozenPolicy)]
+    assert hashes[0] == first
+    assert len(set(hashes)) == len(hashes)
+    assert all(rival in pool.pool for rival in rivals(model))
+
+
+def test_shares_are_those_that_were_asked_for() -> None:
+    pool = SelfPlayCallback(10, pool_size=3, latest_share=0.5, bots=["MA1", "MA2"], bots_share=0.2)
+    pool.pool = [qmix().policy.freeze() for _ in range(5)]
+
+    assert [weight for _, weight in pool.opponents()] == pytest.approx([0.1, 0.1, 0.2, 0.0, 0.0, 0.2, 0.4])
+
+
+@pytest.mark.parametrize("size", [1, 2, 3, 4])
+def test_a_pool_holds_as_many_copies_as_it_may(size: int) -> None:
+    pool = SelfPlayCallback(10, pool_size=size)
+    pool.pool = [qmix().policy.freeze() for _ in range(4)]
+    weights = [weight for _, weight in pool.opponents()]
+
+    assert sum(weight > 0 for weight in weights) == size
+    assert sum(weights) == pytest.approx(1.0)
+
+
+def test_maskable_ppo_plays_against_its_past() -> None:
+    env = VecMonitor(games(lower=fastest_way_network()))
+    model = MaskablePPO("MultiInputPolicy", env, n_steps=24, batch_size=16, n_epochs=1, seed=0)
+    pool = SelfPlayCallback(48)
+    model.learn(96, callback=pool)
+
+    assert len(pool.pool) == 3
+    assert all(rival in pool.pool for rival in rivals(model))
+    match = play_match(pool.pool[0], pool.pool[-1], games=2)
+    assert match.games == 2
+
+
+def test_a_copy_stays_while_the_model_learns() -> None:
+    model = MaskablePPO(
+        "MultiInputPolicy", games(), n_steps=24, batch_size=16, n_epochs=4, learning_rate=0.1, seed=0
+    )
+    copy = frozen_copy(model)
+    before = [play_match(copy, "MA1", games=3).red.margins, play_match(model, "MA1", games=3).red.margins]
+    model.learn(48)
+    after = [play_match(copy, "MA1", games=3).red.margins, play_match(model, "MA1", games=3).red.margins]
+
+    assert np.array_equal(before[0], after[0])
+    assert not np.array_equal(before[1], after[1])
+
+
+def test_a_pool_in_a_folder_is_gone_on_with(tmp_path: Path) -> None:
+    model = qmix()
+    model.learn(48, callback=SelfPlayCallback(48, folder=tmp_path))
+    pool = SelfPlayCallback(48, folder=tmp_path)
+    model.learn(48, callback=pool, reset_num_timesteps=False)
+
+    assert sorted(int(path.name) for path in tmp_path.iterdir()) == [0, 48, 96]
+    assert len(pool.pool) == 3
+
+
+def test_a_wrong_share_is_named() -> None:
+    with pytest.raises(ConfigError, match="bots_share needs bots"):
+        SelfPlayCallback(10, bots_share=0.5)
+    with pytest.raises(ConfigError, match=r"latest_share must be in 0\.\.1"):
+        SelfPlayCallback(10, latest_share=2.0)

@@ -1,0 +1,86 @@
+"""Tournaments: every pairing once a colour, files that are gone on from, and whose file it is."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from hexwar_sb3.errors import FileFormatError
+from hexwar_sb3.evaluation.matches import play_match
+from hexwar_sb3.evaluation.panel import Terms
+from hexwar_sb3.evaluation.tournament import Meeting, fingerprint, play_meetings, single_round_robin
+
+PLAYERS: dict[str, object] = {"MA1": "MA1", "near": "nearest", "any": "random"}
+TERMS = Terms(games=4)
+
+
+def test_a_single_round_robin_has_every_pairing_once_a_colour_and_map() -> None:
+    meetings = single_round_robin(["a", "b", "c"], ["plain", "hills"])
+
+    assert len(meetings) == len(set(meetings)) == 3 * 2 * 2
+    assert all(meeting.red != meeting.blue for meeting in meetings)
+    assert len(single_round_robin(["a", "b"], ["plain"], mirror=True)) == 4
+
+
+def test_rows_are_those_of_the_matches(tmp_path: Path) -> None:
+    meetings = single_round_robin(list(PLAYERS), ["plain"])
+    table = play_meetings(meetings, PLAYERS, PLAYERS, TERMS, tmp_path)
+
+    alone = play_match("nearest", "MA1", games=4)
+    row = table.rows[Meeting(red="near", blue="MA1", scenario="plain")]
+    assert row["red"] == {"player": "near", **alone.red.summary()}
+    assert [letter == "W" for letter in row["red_games"]] == list(alone.red.scores == 1.0)
+    assert (
+        table.win_rate("any", "red").value
+        == (
+            play_match("random", "MA1", games=4).win_rate.value
+            + play_match("random", "nearest", games=4).win_rate.value
+        )
+        / 2
+    )
+
+
+def test_what_was_played_is_not_played_again(tmp_path: Path) -> None:
+    meetings = single_round_robin(list(PLAYERS), ["plain"])
+    play_meetings(meetings[:2], PLAYERS, PLAYERS, TERMS, tmp_path)
+    before = {path: path.stat().st_mtime_ns for path in tmp_path.glob("*.json")}
+    table = play_meetings(meetings, PLAYERS, PLAYERS, TERMS, tmp_path)
+
+    assert len(before) == 2
+    assert all(path.stat().st_mtime_ns == time for path, time in before.items())
+    assert len(table.rows) == len(list(tmp_path.glob("*.json"))) == 6
+
+
+def test_two_processes_play_the_same_games_as_one(tmp_path: Path) -> None:
+    meetings = single_round_robin(list(PLAYERS), ["plain"])
+    one = play_meetings(meetings, PLAYERS, PLAYERS, TERMS, tmp_path / "one")
+    two = play_meetings(meetings, PLAYERS, PLAYERS, TERMS, tmp_path / "two", jobs=2)
+
+    assert one.rows == two.rows
+
+
+def test_a_file_of_other_games_is_refused(tmp_path: Path) -> None:
+    meetings = [Meeting(red="near", blue="any", scenario="plain")]
+    play_meetings(meetings, PLAYERS, PLAYERS, TERMS, tmp_path)
+    with pytest.raises(FileFormatError, match=r"plain~near~any\.json: terms: .* choose another folder"):
+        play_meetings(meetings, PLAYERS, PLAYERS, Terms(games=5), tmp_path)
+    other = {**PLAYERS, "near": "MA2"}
+    with pytest.raises(FileFormatError, match=r"players: found .*nearest.*; expected .*MA2"):
+        play_meetings(meetings, other, PLAYERS, TERMS, tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("text", "found"), [("{", "Expecting"), ("[]", "found None"), ('{"format": 7}', "found 7")]
+)
+def test_a_broken_file_is_named(tmp_path: Path, text: str, found: str) -> None:
+    meeting = Meeting(red="near", blue="any", scenario="plain")
+    (tmp_path / meeting.file).write_text(text)
+    with pytest.raises(FileFormatError, match=rf"plain~near~any\.json: .*{found}"):
+        play_meetings([meeting], PLAYERS, PLAYERS, TERMS, tmp_path)
+
+
+def test_a_player_is_known_by_what_it_is() -> None:
+    assert fingerprint("MA1") != fingerprint("MA2")
+    assert json.dumps(fingerprint("MA1"))

@@ -1,0 +1,157 @@
+"""Table I: bars, cells and paired differences from matches that can be counted by hand; the pipeline at its smallest."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from hexwar_sb3.algorithms.qmix import QMIX
+from hexwar_sb3.commands.output import table as lay_out
+from hexwar_sb3.envs.registration import make_vec_env
+from hexwar_sb3.evaluation.panel import CONSTANT_PLANS
+from hexwar_sb3.evaluation.tournament import Meeting, Table
+from hexwar_sb3.experiments.runs import Places
+from hexwar_sb3.experiments.table1 import COLUMNS, ROWS, Table1
+from hexwar_sb3.experiments.table1_page import PAPER, bar, in_words, missed, no_worse, rows, write
+from hexwar_sb3.league.distil import Lessons
+from hexwar_sb3.league.heir import DISTILLED
+from hexwar_sb3.league.member import save_member
+from hexwar_sb3.league.settings import LeagueSettings
+
+WINS = {"HRL0": 2, "HRL1": 3, "HRL2": 3, "CAI": 4, DISTILLED: 1}  # of 4 games as red; as blue the same
+"""What each row's player reaches against anybody in the tests."""
+
+
+def camp(wins: int) -> dict[str, Any]:
+    return {
+        "games": 4,
+        "wins": wins,
+        "draws": 0,
+        "losses": 4 - wins,
+        "win_rate": wins / 4,
+        "win_rate_interval": [0.0, 1.0],
+        "mean_margin": 10.0 * wins,
+        "mean_margin_interval": [0.0, 100.0],
+        "points_held": [0.5, 0.0, 0.5],
+    }
+
+
+def counted() -> Table:
+    """Every row has its wins in both colours against every column."""
+    found: dict[Meeting, dict[str, Any]] = {}
+    for name in (*ROWS, DISTILLED, *CONSTANT_PLANS):
+        wins = WINS.get(name, 0)
+        for column in COLUMNS:
+            letters = "W" * wins + "L" * (4 - wins)
+            as_red = Meeting(red=name, blue=column, scenario="plain")
+            as_blue = Meeting(red=column, blue=name, scenario="plain")
+            found[as_red] = {"red": camp(wins), "blue": camp(4 - wins), "red_games": letters}
+            swapped = letters.translate(str.maketrans("WL", "LW"))
+            found[as_blue] = {"red": camp(4 - wins), "blue": camp(wins), "red_games": swapped}
+    return Table(found)
+
+
+@pytest.fixture
+def pipeline(tmp_path: Path) -> Table1:
+    """A pipeline of a minute, whose warm-ups are there."""
+    places = Places(tmp_path / "results", tmp_path / "work")
+    settings = LeagueSettings(
+        keep=2, iterations=1, games=4, rounds=1, refit_games=1, match_games=2, warm_up_games=2, n_envs=2,
+        learner={"learning_starts": 0, "buffer_size": 200, "batch_size": 8},
+    )  # fmt: skip
+    lessons = Lessons(games=2, updates=5, batch_size=8)
+    made = Table1(
+        places=places,
+        seeds=(0, 1),
+        settings=settings,
+        lessons=lessons,
+        heir_games=4,
+        games=2,
+        progress_games=2,
+    )
+    env = make_vec_env(n_envs=1, privileged_state=True)
+    for run in made.warm_ups():
+        model = QMIX("TaskPolicy", env, seed=run.seed, buffer_size=10)
+        save_member(model, places.kept(run) / "policy", side="both", scenario="plain")
+        (places.kept(run) / "command.txt").write_text(run.command + "\n")
+    return made
+
+
+def test_the_pipeline_goes_from_warm_ups_to_the_table(pipeline: Table1) -> None:
+    said: list[str] = []
+    table = pipeline.run(said.append)
+    assert table is not None
+    text = write(table, pipeline, lay_out)
+    figures = json.loads((pipeline.kept / "table.json").read_text())
+
+    assert len(table.rows) == len(pipeline.meetings())
+    assert {(cell["row"], cell["games"]) for cell in figures["cells"]} == {
+        (name, 2) for name in (*ROWS, DISTILLED, *CONSTANT_PLANS)
+    }
+    assert (pipeline.kept / "table.txt").read_text() == text + "\n"
+    assert pipeline.states()["iterations of the league"] == "1 of 1"
+    assert said[-1] == "matches of the table"
+    assert (pipeline.kept / "league.png").stat().st_size > 10_000
+
+
+def test_what_is_committed_is_enough_to_go_on(pipeline: Table1) -> None:
+    pipeline.run(lambda _: None)
+    shutil.rmtree(pipeline.work)
+    for match in list((pipeline.kept / "matches").glob("*CAI*")):
+        match.unlink()
+    policies = {path: path.read_bytes() for path in pipeline.kept.rglob("weights.safetensors")}
+    pipeline.run(lambda _: None)
+
+    assert not (pipeline.work / "heirs").exists()
+    assert policies == {path: path.read_bytes() for path in pipeline.kept.rglob("weights.safetensors")}
+    assert pipeline.states()["matches"] == f"{len(pipeline.meetings())} of {len(pipeline.meetings())}"
+
+
+def test_bars_are_the_papers_cells_that_are_judged() -> None:
+    assert bar("HRL1", "HRL0", 0) == 0.77
+    assert bar("HRL1", "HRL0", 1) == 0.80
+    assert bar("CAI", "MA1", 0) == 0.99
+    assert bar("CAI", "HRL1", 1) == 0.64
+    assert bar("HRL0", "HRL0", 0) is None
+    assert bar("HRL2", "HRL1", 0) is None
+    assert bar("HRL1", "nearest", 0) is None
+
+
+def test_a_cell_is_the_row_players_own_camp() -> None:
+    cells = rows(counted(), "plain")
+    cai = [cell for cell in cells if cell["row"] == "CAI" and cell["column"] == "MA2"]
+
+    assert [(cell["camp"], cell["win_rate"], cell["paper"]) for cell in cai] == [
+        ("red", 1.0, 0.99),
+        ("blue", 1.0, 0.95),
+    ]
+    assert {(cell["row"], cell["column"]) for cell in cells} >= set(PAPER)
+
+
+def test_what_misses_its_bar_is_listed() -> None:
+    below = list(missed(rows(counted(), "plain")))
+
+    assert "HRL0 against MA1 as red: 50.0 % [0.0, 100.0], bar 94" in below
+    assert not any(line.startswith("CAI") for line in below)
+
+
+def test_differences_are_paired_game_by_game() -> None:
+    found = {(one["player"], one["minus"], one["against"]): one for one in no_worse(counted(), "plain")}
+
+    assert found["CAI", "HRL0", "MA1"]["points"] == 50.0
+    assert found["HRL1", "HRL0", "MA1"]["points"] == 25.0
+    assert found["CAI", "HRL0", "MA1"]["no_worse"]
+    assert not found[DISTILLED, "HRL1", "all columns"]["no_worse"]
+
+
+def test_the_page_shows_every_row() -> None:
+    table = counted()
+    text = in_words(rows(table, "plain"), no_worse(table, "plain"), lay_out)
+
+    for name in (*ROWS, DISTILLED, *CONSTANT_PLANS):
+        assert f"\n{name} " in text
+    assert "97 / 96" in text

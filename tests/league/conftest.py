@@ -1,0 +1,52 @@
+"""Small models to begin a league with."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from hexwar_sb3.algorithms.qmix import QMIX
+from hexwar_sb3.envs.registration import make_vec_env
+from hexwar_sb3.league.league import League
+from hexwar_sb3.league.member import save_member
+from hexwar_sb3.league.settings import LeagueSettings
+
+TINY: dict[str, Any] = {
+    "keep": 2,
+    "iterations": 2,
+    "games": 4,
+    "rounds": 2,
+    "refit_games": 0,
+    "match_games": 2,
+    "warm_up_games": 2,
+    "n_envs": 2,
+    "learner": {"learning_starts": 0, "buffer_size": 200, "batch_size": 8, "learning_rate": 1e-3},
+}
+"""A league of seconds."""
+
+
+@pytest.fixture(scope="session")
+def starters(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
+    """Two untrained models, one of which has a mixer beside it."""
+    folder = tmp_path_factory.mktemp("starters")
+    env = make_vec_env(n_envs=1, privileged_state=True)
+    for seed, name in enumerate(("one", "two")):
+        save_member(
+            QMIX("TaskPolicy", env, seed=seed, buffer_size=10), folder / name, side="both", scenario="plain"
+        )
+    return {"one": folder / "one", "two": folder / "two"}
+
+
+@pytest.fixture
+def tiny() -> LeagueSettings:
+    return LeagueSettings(**TINY)
+
+
+@pytest.fixture(scope="session")
+def whole(tmp_path_factory: pytest.TempPathFactory, starters: dict[str, Path]) -> League:
+    """A league that was never broken off."""
+    league = League.create(tmp_path_factory.mktemp("whole"), LeagueSettings(**TINY), starters)
+    league.run()
+    return league

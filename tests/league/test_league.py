@@ -1,0 +1,219 @@
+"""Grouped self-play (III-C, Fig. 6): the folder is the state, a league that was killed ends as an unbroken one."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import shutil
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from hexwar_sb3.errors import ConfigError, FileFormatError, PolicyFileError
+from hexwar_sb3.league import group
+from hexwar_sb3.league.group import train_group
+from hexwar_sb3.league.league import League, group_name, parent_of
+from hexwar_sb3.league.settings import LeagueSettings
+
+
+def contents(folder: Path) -> dict[str, str]:
+    """Hash of every file that a result depends on."""
+    return {
+        str(path.relative_to(folder)): hashlib.sha256(path.read_bytes()).hexdigest()
+        for path in sorted(folder.rglob("*"))
+        if path.is_file() and path.name != "cost.json"
+    }
+
+
+def test_every_red_model_trains_with_every_blue_one(whole: League) -> None:
+    specs = whole.specs(2)
+
+    pairs = [(spec.members["red"].name, spec.members["blue"].name) for spec in specs]
+    kept = whole.kept(1)
+    assert pairs == [(red.name, blue.name) for red in kept["red"] for blue in kept["blue"]]
+
+
+def test_models_meet_their_partner_the_past_and_the_bots(whole: League) -> None:
+    others = whole.specs(2)[0].others["red"]
+
+    assert [str(player) for player, _ in others] == [
+        str(whole.kept(0)["blue"][0].folder),
+        str(whole.kept(1)["blue"][0].folder),
+        "MA1",
+        "MA2",
+    ]
+    assert [weight for _, weight in others] == pytest.approx([0.15, 0.15, 0.15, 0.15])
+
+
+def test_the_best_average_win_rate_is_kept(whole: League) -> None:
+    found = json.loads((whole.iteration(2) / "table.json").read_text())
+    rates: dict[str, list[float]] = {}
+    for pair, rate in found["red_win_rates"].items():
+        rates.setdefault(pair.split()[0], []).append(rate)
+    means = {name: sum(values) / len(values) for name, values in rates.items()}
+
+    assert len(found["red_win_rates"]) == 16
+    assert means[found["kept"]["red"][0]] == max(means.values())
+    worst = min(row["win_rate"] for row in found["standings"]["blue"] if row["name"] in found["kept"]["blue"])
+    assert all(
+        row["win_rate"] <= worst
+        for row in found["standings"]["blue"]
+        if row["name"] not in found["kept"]["blue"]
+    )
+
+
+def test_a_model_knows_its_parent(whole: League) -> None:
+    found = json.loads((whole.iteration(2) / "table.json").read_text())
+    before = whole.kept(1)
+    for camp in ("red", "blue"):
+        for row in found["standings"][camp]:
+            assert row["parent"] == before[camp][parent_of(row["name"], camp)].name
+    assert (parent_of(group_name(3, 1, 2), "red"), parent_of(group_name(3, 1, 2), "blue")) == (1, 2)
+
+
+def test_a_group_is_a_function_of_its_spec(whole: League, tmp_path: Path) -> None:
+    spec = whole.specs(1)[2]
+    train_group(replace(spec, folder=tmp_path / "again"))
+
+    assert contents(tmp_path / "again") == contents(spec.folder)
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["again"]
+
+
+def test_training_changes_both_models(whole: League) -> None:
+    spec = whole.specs(1)[0]
+    for camp in ("red", "blue"):
+        assert spec.members[camp].policy().sha256 != whole.models(1)[camp][0].policy().sha256
+    assert (spec.folder / "red" / "mixer" / "weights.safetensors").is_file()
+
+
+BREAKS: dict[str, Callable[[League], object]] = {
+    "a group": lambda league: shutil.rmtree(league.group(1, "1-r1b0")),
+    "all matches": lambda league: shutil.rmtree(league.iteration(2) / "matches"),
+    "one match": lambda league: next((league.iteration(2) / "matches").glob("*.json")).unlink(),
+}
+
+
+@pytest.mark.parametrize("lost", BREAKS)
+def test_a_league_that_was_broken_off_ends_as_an_unbroken_one(
+    lost: str, whole: League, tmp_path: Path
+) -> None:
+    folder = tmp_path / "league"
+    shutil.copytree(whole.folder, folder)
+    league = League.open(folder)
+    (league.iteration(2) / "table.json").unlink()
+    if lost == "a group":  # then what comes after it was not there yet
+        shutil.rmtree(league.iteration(2))
+        (league.iteration(1) / "table.json").unlink()
+        (league.iteration(1) / "groups" / ".new-left-over").mkdir()
+    BREAKS[lost](league)
+    league.run()
+
+    assert contents(folder) == contents(whole.folder)
+
+
+def test_two_processes_make_the_same_league_as_one(
+    whole: League, starters: dict[str, Path], tmp_path: Path
+) -> None:
+    league = League.create(tmp_path, replace(whole.settings, iterations=1), starters)
+    league.run(jobs=2)
+
+    assert contents(league.iteration(1)) == contents(whole.iteration(1))
+
+
+def test_a_finished_league_plays_nothing_again(whole: League, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(group, "make_vec_env", None)
+    done: list[int] = []
+    whole.run(after=done.append)
+
+    assert done == [0, 1, 2]
+
+
+def test_more_iterations_go_on_from_the_last(
+    whole: League, starters: dict[str, Path], tmp_path: Path
+) -> None:
+    shutil.copytree(whole.folder, tmp_path / "league")
+    longer = League.create(tmp_path / "league", replace(whole.settings, iterations=3), starters)
+    longer.run()
+
+    assert longer.is_done(3)
+    assert contents(longer.iteration(2)) == contents(whole.iteration(2))
+    with pytest.raises(ConfigError, match="other settings: iterations 3, not 1"):
+        League.create(tmp_path / "league", replace(whole.settings, iterations=1), starters)
+
+
+def test_other_settings_are_refused(whole: League, starters: dict[str, Path]) -> None:
+    with pytest.raises(ConfigError, match="holds a league of other settings: games 4, not 5"):
+        League.create(whole.folder, replace(whole.settings, games=5), starters)
+
+
+def test_a_colour_needs_a_model_to_begin_with(tiny: LeagueSettings, tmp_path: Path) -> None:
+    with pytest.raises(ConfigError, match="no model to begin with for red"):
+        League.create(tmp_path / "league", tiny, {})
+    assert not (tmp_path / "league" / "league.json").exists()
+
+
+def test_a_name_that_leads_elsewhere_is_refused(
+    tiny: LeagueSettings, starters: dict[str, Path], tmp_path: Path
+) -> None:
+    with pytest.raises(ConfigError, match=r"a model's name is of letters.*'\.\./one'"):
+        League.create(tmp_path / "league", tiny, {"../one": starters["one"]})
+
+
+BROKEN: dict[str, tuple[Callable[[dict[str, Any]], object], str]] = {
+    "other rules": (lambda head: head.update(rules="0.9 abc"), "rules: found 0.9 abc"),
+    "no settings": (lambda head: head.pop("settings"), "format: "),
+    "another format": (lambda head: head.update(format="pickle"), "format: found 'pickle'"),
+    "no bots": (lambda head: head["settings"].update(bots=None), "format: found 'hexwar league 1' with "),
+    "a list for settings": (
+        lambda head: head.update(settings=[1]),
+        r"format: found 'hexwar league 1' with \[1\]",
+    ),
+}
+
+
+@pytest.mark.parametrize("broken", BROKEN)
+def test_a_foreign_league_is_refused(broken: str, whole: League, tmp_path: Path) -> None:
+    head = json.loads((whole.folder / "league.json").read_text())
+    change, message = BROKEN[broken]
+    change(head)
+    (tmp_path / "league.json").write_text(json.dumps(head))
+    with pytest.raises(FileFormatError, match=f"league.json: {message}"):
+        League.open(tmp_path)
+
+
+@pytest.mark.parametrize("names", [["../../../etc", "x"], ["2-r0b0"], 7, ["2-r0b0", "9-r0b0"]])
+def test_names_in_a_table_are_models_of_its_iteration(names: object, whole: League, tmp_path: Path) -> None:
+    shutil.copytree(whole.folder, tmp_path / "league")
+    league = League.open(tmp_path / "league")
+    table = json.loads((league.iteration(2) / "table.json").read_text())
+    table["kept"]["blue"] = names
+    (league.iteration(2) / "table.json").write_text(json.dumps(table))
+    with pytest.raises(FileFormatError, match=r"kept\.blue: found .*; expected 2 models of this iteration"):
+        league.kept(2)
+
+
+def test_a_broken_model_is_named(whole: League, tmp_path: Path) -> None:
+    shutil.copytree(whole.folder, tmp_path / "league")
+    league = League.open(tmp_path / "league")
+    member = league.kept(1)["red"][0]
+    (member.folder / "weights.safetensors").write_bytes(b"\x80\x04pickle")
+    with pytest.raises(PolicyFileError, match="sha256: found other weights"):
+        train_group(replace(league.specs(2)[0], folder=tmp_path / "again"))
+
+
+def test_what_is_kept_of_a_league_goes_on_as_the_league(
+    whole: League, starters: dict[str, Path], tmp_path: Path
+) -> None:
+    unfinished = tmp_path / "unfinished"
+    shutil.copytree(whole.folder, unfinished)
+    shutil.rmtree(unfinished / "iteration_02")
+    League.open(unfinished).keep(tmp_path / "kept")
+    League.open(unfinished).keep(tmp_path / "kept")  # over what is there
+    kept = League.create(tmp_path / "kept", whole.settings, starters)
+    kept.run()
+
+    assert contents(kept.iteration(2)) == contents(whole.iteration(2))
+    assert len(list((tmp_path / "kept" / "iteration_01" / "groups").iterdir())) < 4

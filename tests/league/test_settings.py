@@ -1,0 +1,36 @@
+"""What a league can be told."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from hexwar_sb3.errors import HexWarError
+from hexwar_sb3.league.settings import LeagueSettings
+
+WRONG: dict[str, tuple[dict[str, Any], str]] = {
+    "nobody kept": ({"keep": 0}, "keep must be an integer >= 1, got 0"),
+    "no games": ({"games": -1}, "games must be an integer >= 1"),
+    "half a round": ({"rounds": 0.5}, "rounds must be an integer >= 1"),
+    "a share above one": ({"partner_share": 1.5}, r"partner_share must be in 0\.\.1"),
+    "not a number": ({"past_share": float("nan")}, r"past_share must be in 0\.\.1"),
+    "shares above one": ({"partner_share": 0.7, "past_share": 0.6}, "must add up to at most 1"),
+    "too many games at once": ({"n_envs": 10**9}, "n_envs must be at most 1024"),
+    "a replay of terabytes": ({"learner": {"buffer_size": 10**12}}, "buffer_size must be at most 1000000"),
+    "a file of the learner": (
+        {"learner": {"tensorboard_log": "/etc"}},
+        "unknown argument of the learner 'tensorboard_log'",
+    ),
+    "an object of the learner": ({"learner": {"gamma": [0.9]}}, "gamma of the learner is a number or a name"),
+    "a text for a share": ({"past_share": "all"}, "past_share must be a number, got 'all'"),
+    "a bot that is none": ({"bots": (7,)}, "scenario and bots are names"),
+    "a rest for nobody": ({"bots": ()}, "without bots"),
+}
+
+
+@pytest.mark.parametrize("what", WRONG)
+def test_a_wrong_setting_is_named(what: str) -> None:
+    settings, message = WRONG[what]
+    with pytest.raises(HexWarError, match=message):
+        LeagueSettings(**settings)
