@@ -74,7 +74,7 @@ class GroupedSelfPlayCallback(BaseCallback):
         last = league.kept(self.settings.iterations)
         self.champions = {camp: last[camp][0].policy() for camp in CAMPS}
         camp = "blue" if settings.side == "blue" else "red"
-        model.take_over(self.champions[camp], last[camp][0].folder)
+        model.take_over(self.champions[camp])
         model.num_timesteps += league.env_steps
 
     def _model(self) -> QMIX:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -17,7 +16,6 @@ from hexwar_sb3.errors import ConfigError, UnknownNameError
 from hexwar_sb3.play.frozen import FrozenPolicy
 from hexwar_sb3.play.lower_policy import HEURISTIC_LOWER, Lower
 from hexwar_sb3.policies.agent import NETWORKS, AgentNetwork, TaskNetwork
-from hexwar_sb3.policies.mixer_files import load_mixer
 from hexwar_sb3.policies.mixers import MIXERS, Mixer
 from hexwar_sb3.policies.shapes import TaskShapes
 from hexwar_sb3.policies.task_sets import pack_observation
@@ -135,10 +133,7 @@ class TaskPolicy(BasePolicy):
         return FrozenPolicy(weights, **sizes, about=about, lower=self.lower)
 
     def settle(self) -> None:
-        """Let the target networks, means over the last updates, be the online ones.
-
-        A network plays better or worse by ten points from one update to the next; its mean does not.
-        """
+        """Let the target networks, means over the last updates, be the online ones (assumption A40)."""
         self.agent.load_state_dict(self.agent_target.state_dict())
         self.mixer.load_state_dict(self.mixer_target.state_dict())
 
@@ -158,24 +153,16 @@ class TaskPolicy(BasePolicy):
         )
         return agent
 
-    def take_over(self, policy: FrozenPolicy, folder: Path | None = None) -> bool:
-        """Go on from a frozen policy, and from the mixer beside it if there is one; says whether there was.
-
-        Args:
-            policy: of the same sizes; its lower level leads from now on.
-            folder: of that policy.
+    def take_over(self, policy: FrozenPolicy) -> None:
+        """Go on from a frozen policy of the same sizes; the mixer stays, and its lower level leads from now on.
 
         Raises:
             ConfigError: the sizes are others.
-            PolicyFileError: the mixer is broken, or of other sizes.
         """
-        frozen = self.agent_of(policy)
-        mixed = folder is not None and load_mixer(self.mixer, folder)
+        frozen = self.agent_of(policy).state_dict()
         for agent in (self.agent, self.agent_target):
-            agent.load_state_dict(frozen.state_dict())
-        self.mixer_target.load_state_dict(self.mixer.state_dict())
+            agent.load_state_dict(frozen)
         self.lower = policy.lower
-        return mixed
 
     def _get_constructor_parameters(self) -> dict[str, Any]:
         return {

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Any, ClassVar, Self, cast
 
 import numpy as np
@@ -206,12 +205,11 @@ class HierarchicalQMIX(QMIX):
             self.leader_agreement = found.agreement
             self._lead_with(lower)
 
-    def take_over(self, policy: FrozenPolicy, folder: Path | None = None) -> bool:
+    def take_over(self, policy: FrozenPolicy) -> None:
         """Go on from a frozen policy; its lower level leads until a version of this model's own is better."""
-        mixed = super().take_over(policy, folder)
+        super().take_over(policy)
         if isinstance(policy.lower, FrozenLower):
             self._lead_with(policy.lower)
-        return mixed
 
     def _lead_with(self, lower: FrozenLower) -> None:
         self.leader = {name: weights.tolist() for name, weights in lower.weights.items()}

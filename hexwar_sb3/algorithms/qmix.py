@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import asdict
-from pathlib import Path
 from typing import Any, ClassVar
 
 import numpy as np
@@ -318,21 +317,17 @@ class QMIX(PlainZipAlgorithm):
     def restore(self, parts: Mapping[str, NDArray[Any]]) -> None:
         """Take over what `snapshot` gave."""
 
-    def take_over(self, policy: FrozenPolicy, folder: Path | None = None) -> bool:
-        """Go on from a frozen policy, and from the mixer in its folder if there is one; says whether there was.
+    def take_over(self, policy: FrozenPolicy) -> None:
+        """Go on from a frozen policy of the same sizes; its lower level leads the pieces of this model's env from now on.
 
-        Args:
-            policy: of the same sizes; its lower level leads the pieces of this model's env from now on.
-            folder: of that policy.
+        The mixer stays as it is: `refit_mixer` lets it learn what the new values come to.
 
         Raises:
             ConfigError: the sizes are others.
-            PolicyFileError: the mixer is broken, or of other sizes.
         """
-        mixed = self.policy.take_over(policy, folder)
+        self.policy.take_over(policy)
         if self.env is not None and self.env.has_attr("lower_level"):
             self.env.env_method("set_lower", policy.lower)
-        return mixed
 
     def refit_mixer(self, total_timesteps: int) -> None:
         """Let the mixer alone learn for some env steps: the values of agents that came without one.

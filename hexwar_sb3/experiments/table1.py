@@ -154,7 +154,7 @@ class Table1:
         return Terms(scenario=self.settings.scenario, games=self.games, seed=self.settings.seed)
 
     def _keep_policies(self, league: League) -> None:
-        """Copy the policies of the table, without mixers."""
+        """Copy the policies of the table."""
         first, last = league.kept(0), league.kept(self.settings.iterations)
         for camp in CAMPS:
             heir = self.work / "heirs" / camp
@@ -168,7 +168,7 @@ class Table1:
             for name, folder in found.items():
                 target = self.policy(name, camp)
                 if not target.exists():
-                    shutil.copytree(folder, target, ignore=shutil.ignore_patterns("mixer"))
+                    shutil.copytree(folder, target)
 
     def policy(self, name: str, camp: str) -> Path:
         """Committed folder of a policy of the table."""

@@ -33,7 +33,7 @@ class GroupSpec:
     partner_share: float  # of the games, against the partner as it is now
     games: int  # that each of the two learns from
     rounds: int  # parts of them: in each, first red and then blue learns, against the other as it then is
-    refit_games: int  # before them, in which the mixer alone learns: the replay fills, the opponents are new
+    refit_games: int  # before them, in which the mixer alone learns: it is new, and the replay is empty
     seed: tuple[int, ...]  # of the league, iteration, group
     folder: Path  # gets red/ and blue/
     env: Mapping[str, Any] = field(default_factory=dict)  # settings of the task env
@@ -95,7 +95,7 @@ def _start(spec: GroupSpec, camp: str) -> QMIX:
         **spec.env,
     )
     model = QMIX("TaskPolicy", env, seed=seed, **spec.learner)
-    model.take_over(policy, member.folder)
+    model.take_over(policy)
     return model
 
 

@@ -24,12 +24,9 @@ from hexwar_sb3.evaluation.seeds import Purpose
 from hexwar_sb3.files import replacing
 from hexwar_sb3.league.cost import measured
 from hexwar_sb3.league.group import GroupSpec, Opponents, job_seed, train_group
-from hexwar_sb3.league.member import CAMPS, Member, publish
+from hexwar_sb3.league.member import CAMPS, Member
 from hexwar_sb3.league.selection import play_all, select, standings
 from hexwar_sb3.league.settings import EXPLORING_SHARE, LeagueSettings
-from hexwar_sb3.play.frozen import FrozenPolicy
-from hexwar_sb3.policies.mixer_files import FOLDER as MIXER_FOLDER
-from hexwar_sb3.rules.ruleset import default_rules
 
 FORMAT = "hexwar league 1"
 NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]{0,79}")
@@ -85,14 +82,16 @@ class League:
         """
         if (folder / "league.json").exists():
             return cls.open(folder).prolonged(settings)
-        league = cls(folder, settings)
-        for name, policy in starters.items():
+        policies = {name: Member("", name, path).policy() for name, path in starters.items()}
+        for name in policies:
             if not NAME.fullmatch(name):
                 raise ConfigError(f"a model's name is of letters, digits, '.', - and _, got {name!r}")
-            league._take_in(name, policy)
         for camp in CAMPS:
-            if not league.starters(camp):
+            if not any(policy.about.get("side", "both") in (camp, "both") for policy in policies.values()):
                 raise ConfigError(f"no model to begin with for {camp}")
+        league = cls(folder, settings)
+        for name, policy in policies.items():
+            policy.save(league._starters / name)
         league._write_head()
         return league
 
@@ -113,14 +112,6 @@ class League:
         league = League(self.folder, settings)
         league._write_head()
         return league
-
-    def _take_in(self, name: str, policy: Path) -> None:
-        FrozenPolicy.load(policy, rules=default_rules().hash)
-        made = self.folder / f".new-{name}"
-        shutil.rmtree(made, ignore_errors=True)
-        shutil.copytree(policy, made)
-        self._starters.mkdir(parents=True, exist_ok=True)
-        publish(made, self._starters / name)
 
     @property
     def _starters(self) -> Path:
@@ -297,10 +288,7 @@ class League:
                 shutil.copyfile(file, new / place / file.name)
             for members in self.kept(k).values():
                 for member in members if k in (0, done[-1]) else members[:1]:
-                    without = None if k == done[-1] else shutil.ignore_patterns(MIXER_FOLDER)
-                    target = new / member.folder.relative_to(self.folder)
-                    if not target.exists():
-                        shutil.copytree(member.folder, target, ignore=without)
+                    member.policy().save(new / member.folder.relative_to(self.folder))
         shutil.rmtree(folder, ignore_errors=True)
         new.rename(folder)
 

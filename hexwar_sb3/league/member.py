@@ -1,4 +1,4 @@
-"""A member of a league: a policy's folder of one colour, with the mixer that learns on from it."""
+"""A member of a league: a policy's folder of one colour."""
 
 from __future__ import annotations
 
@@ -9,7 +9,6 @@ from pathlib import Path
 
 from hexwar_sb3.algorithms.qmix import QMIX
 from hexwar_sb3.play.frozen import FrozenPolicy
-from hexwar_sb3.policies.mixer_files import save_mixer
 from hexwar_sb3.rules.ruleset import default_rules
 
 CAMPS = ("red", "blue")
@@ -33,10 +32,8 @@ class Member:
 
 
 def save_member(model: QMIX, folder: Path, **about: str) -> None:
-    """Write what a model plays by and learns on from."""
-    policy = model.policy
-    save_mixer(policy.mixer, folder)
-    policy.freeze(rules=default_rules().hash, **about).save(folder)
+    """Write what a model plays by."""
+    model.policy.freeze(rules=default_rules().hash, **about).save(folder)
 
 
 def publish(made: Path, folder: Path) -> None:

@@ -12,6 +12,7 @@ from hexwar_sb3.errors import ConfigError, UnknownNameError
 LEARNER: dict[str, Any] = {
     "learning_rate": 3e-4,
     "learning_starts": 0,
+    "tau": 0.003,  # a model plays as the mean of its last updates
     "buffer_size": 20_000,
     "exploration_initial_eps": 0.1,
     "exploration_final_eps": 0.01,
@@ -50,9 +51,7 @@ class LeagueSettings:
     partner_share: float = 0.4  # of these games against the partner
     past_share: float = 0.3  # against the best of each iteration before
     bots: tuple[str, ...] = ("MA1", "MA2")  # the rest is theirs
-    refit_games: int = (
-        100  # before them, in which the mixer alone learns: the replay fills, the opponents are new
-    )
+    refit_games: int = 200  # before them, in which the mixer alone learns: it is new, the replay empty
     match_games: int = 50  # of each pairing in the round robin that selects
     warm_up_games: int = 400  # against each bot, to choose the first models
     scenario: str = "plain"

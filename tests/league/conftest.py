@@ -29,7 +29,7 @@ TINY: dict[str, Any] = {
 
 @pytest.fixture(scope="session")
 def starters(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
-    """Two untrained models, one of which has a mixer beside it."""
+    """Two untrained models."""
     folder = tmp_path_factory.mktemp("starters")
     env = make_vec_env(n_envs=1, privileged_state=True)
     for seed, name in enumerate(("one", "two")):

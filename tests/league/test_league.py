@@ -86,7 +86,6 @@ def test_training_changes_both_models(whole: League) -> None:
     spec = whole.specs(1)[0]
     for camp in ("red", "blue"):
         assert spec.members[camp].policy().sha256 != whole.models(1)[camp][0].policy().sha256
-    assert (spec.folder / "red" / "mixer" / "weights.safetensors").is_file()
 
 
 BREAKS: dict[str, Callable[[League], object]] = {
