@@ -53,7 +53,6 @@ class DistillationCallback(BaseCallback):
         self.losses = distill(
             self.teachers, model, {**asdict(settings), "n_envs": env.num_envs}, self.lessons, model.seed or 0
         )
-        env.env_method("set_lower", model.policy.lower)
         self.logger.record("distillation/loss", self.losses[-1])
         self._mixer_games_left = self.refit_games
 

@@ -85,7 +85,7 @@ class GroupedSelfPlayCallback(BaseCallback):
         return self.model
 
     def _log(self, league: League, k: int) -> None:
-        found = read_json(league.iteration(k) / "table.json")["standings"]
+        found = read_json(league.table(k))["standings"]
         for camp in CAMPS:
             self.logger.record(f"league/{camp}_win_rate", found[camp][0]["win_rate"])
             self.logger.record(f"league/{camp}_margin", found[camp][0]["mean_margin"])

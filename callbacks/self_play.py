@@ -47,11 +47,8 @@ class SelfPlayCallback(EverySteps):
         folder: Path | None = None,
     ) -> None:
         super().__init__(every)
-        self.pool_size, self.bots, self.folder = (
-            check_whole("pool_size", pool_size, least=1),
-            list(bots),
-            folder,
-        )
+        self.pool_size = check_whole("pool_size", pool_size, least=1)
+        self.bots, self.folder = list(bots), folder
         self.latest_share = check_share("latest_share", latest_share)
         self.bots_share = check_share("bots_share", bots_share)
         if bots_share > 0 and not bots:

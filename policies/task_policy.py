@@ -154,7 +154,7 @@ class TaskPolicy(BasePolicy):
         return agent
 
     def take_over(self, policy: FrozenPolicy) -> None:
-        """Go on from a frozen policy of the same sizes; the mixer stays, and its lower level leads from now on.
+        """Take over the agent network of a frozen policy of the same sizes; the mixer stays.
 
         Raises:
             ConfigError: the sizes are others.
@@ -162,7 +162,6 @@ class TaskPolicy(BasePolicy):
         frozen = self.agent_of(policy).state_dict()
         for agent in (self.agent, self.agent_target):
             agent.load_state_dict(frozen)
-        self.lower = policy.lower
 
     def _get_constructor_parameters(self) -> dict[str, Any]:
         return {

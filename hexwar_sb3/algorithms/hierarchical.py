@@ -23,8 +23,7 @@ from hexwar_sb3.envs.route_settings import RouteSettings, route_settings
 from hexwar_sb3.envs.route_vec_env import route_spaces
 from hexwar_sb3.envs.settings import TaskSettings
 from hexwar_sb3.errors import ConfigError
-from hexwar_sb3.play.frozen import FrozenPolicy
-from hexwar_sb3.play.lower_policy import HEURISTIC_LOWER, FrozenLower
+from hexwar_sb3.play.lower_policy import HEURISTIC_LOWER, FrozenLower, Lower
 from hexwar_sb3.play.routes import measure_routes
 from hexwar_sb3.policies.masked import MaskedDQNPolicy, freeze_lower
 from hexwar_sb3.policies.task_policy import TaskPolicy
@@ -203,17 +202,13 @@ class HierarchicalQMIX(QMIX):
         self.logger.record("lower/agreement", found.agreement)
         if found.finished >= self.takeover and found.agreement > self.leader_agreement:
             self.leader_agreement = found.agreement
-            self._lead_with(lower)
+            self.lead_with(lower)
 
-    def take_over(self, policy: FrozenPolicy) -> None:
-        """Go on from a frozen policy; its lower level leads until a version of this model's own is better."""
-        super().take_over(policy)
-        if isinstance(policy.lower, FrozenLower):
-            self._lead_with(policy.lower)
-
-    def _lead_with(self, lower: FrozenLower) -> None:
-        self.leader = {name: weights.tolist() for name, weights in lower.weights.items()}
-        self.policy.lower = lower
+    def lead_with(self, lower: Lower) -> None:
+        """Let a lower level lead, until a version of this model's own is better; in both envs, if it is a network."""
+        network = lower.weights.items() if isinstance(lower, FrozenLower) else ()
+        self.leader = {name: weights.tolist() for name, weights in network}
+        super().lead_with(lower)
         self.lead_envs()
 
     def follow_lower(self) -> None:

@@ -25,6 +25,7 @@ from hexwar_sb3.algorithms.td_targets import qmix_target
 from hexwar_sb3.algorithms.td_update import TDLearner
 from hexwar_sb3.errors import ConfigError
 from hexwar_sb3.play.frozen import FrozenPolicy
+from hexwar_sb3.play.lower_policy import Lower
 from hexwar_sb3.policies.shapes import TaskShapes
 from hexwar_sb3.policies.task_policy import TaskPolicy
 
@@ -326,8 +327,13 @@ class QMIX(PlainZipAlgorithm):
             ConfigError: the sizes are others.
         """
         self.policy.take_over(policy)
+        self.lead_with(policy.lower)
+
+    def lead_with(self, lower: Lower) -> None:
+        """Let a lower level lead the pieces of this model's env, and of its frozen copies."""
+        self.policy.lower = lower
         if self.env is not None and self.env.has_attr("lower_level"):
-            self.env.env_method("set_lower", policy.lower)
+            self.env.env_method("set_lower", lower)
 
     def refit_mixer(self, total_timesteps: int) -> None:
         """Let the mixer alone learn for some env steps: the values of agents that came without one.

@@ -22,7 +22,8 @@ class Bench:
         check_whole("rounds", self.rounds, least=1)
         from hexwar_sb3.commands.bench_games import game_figures
         from hexwar_sb3.commands.bench_learner import learner_figures
-        from hexwar_sb3.commands.bench_start import peak_mb, start_figures
+        from hexwar_sb3.commands.bench_start import start_figures
+        from hexwar_sb3.league.cost import peak_mb
 
         figures = {
             **game_figures(self.scenario, self.rounds),

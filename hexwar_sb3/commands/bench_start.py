@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import resource
 import subprocess
 import sys
 import tempfile
@@ -27,9 +26,3 @@ def seconds(code: str, **env: str) -> float:
     start = perf_counter()
     subprocess.run([sys.executable, "-c", code], check=True, env={**os.environ, **env})  # noqa: S603  our own code
     return perf_counter() - start
-
-
-def peak_mb() -> float:
-    """Peak memory of this process so far, in MB."""
-    unit = 1 if sys.platform == "darwin" else 1024  # bytes there, kB on Linux
-    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * unit / 1e6

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 import tyro
 
@@ -13,6 +13,7 @@ from hexwar_sb3.commands.settings import Json, Seed
 from hexwar_sb3.errors import ConfigError
 
 TEACHERS = "run folders or policy folders"
+N_ENVS = 32  # games of a teacher side by side
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -29,7 +30,6 @@ class Distill:
     epsilon: float = 0.05  # probability of a random task in these games
     updates: int = 3_000  # of the student
     tau: float = 0.1  # temperature of the teachers' choices: small is sharp
-    refit_games: int = 0  # games for a mixer that fits the student, to learn on from it
     seed: Seed = 0
     json: Json = False
 
@@ -40,6 +40,7 @@ class Distill:
         from hexwar_sb3.envs.registration import make_vec_env
         from hexwar_sb3.evaluation.panel import Terms, trained_terms
         from hexwar_sb3.league.distil import Lessons, distill
+        from hexwar_sb3.league.group import env_settings
         from hexwar_sb3.league.member import save_member
         from hexwar_sb3.play.frozen import FrozenPolicy
         from hexwar_sb3.rules.ruleset import default_rules
@@ -52,23 +53,11 @@ class Distill:
             raise ConfigError(f"the teachers were trained in different ways: {found}")
         terms = Terms(**found[0])
         compile_first(*self.opponents, scenario=terms.scenario)
-        env: dict[str, Any] = {
-            "n_envs": 32,
-            "side": self.side,
-            "opponent": list(self.opponents),
-            "scenario": terms.scenario,
-            "decision_ticks": terms.decision_ticks,
-            "spots": terms.spots,
-            "decisions": "event" if terms.early else "fixed",
-            "reward": "net",
-            "privileged_state": True,
-        }
+        env = {**env_settings(terms, N_ENVS), "side": self.side, "opponent": list(self.opponents)}
         student = QMIX(
             "TaskPolicy", make_vec_env("HexWarTask-v0", lower=teachers[0].lower, **env), seed=self.seed
         )
         losses = distill(teachers, student, env, lessons, self.seed)
-        if self.refit_games:
-            student.refit_mixer(self.refit_games * 24)
         names = ", ".join(Path(teacher).name for teacher in self.teachers)
         save_member(student, self.output, side=self.side, teachers=names, **terms.about())
         figures = {"policy": str(self.output), "teachers": list(self.teachers), "loss": losses[-1]}

@@ -66,17 +66,25 @@ class Experiments:
         return FAILED if failed else 0
 
     def _table1(self) -> int:
-        """Carry out the pipeline, then write the table; its other settings are its own."""
+        """Carry out the pipeline, then write the table.
+
+        Raises:
+            ConfigError: a flag of the other experiments was given.
+        """
         from hexwar_sb3.experiments.runs import Places
         from hexwar_sb3.experiments.table1 import Table1
         from hexwar_sb3.experiments.table1_page import write
 
         if self.jobs < 1:
             raise ConfigError(f"jobs must be at least 1, got {self.jobs}")
+        for flag in ("only", "seeds", "games", "eval_games", "final_games"):
+            if getattr(self, flag) != getattr(Experiments, flag):
+                raise ConfigError(f"table1 is one pipeline with settings of its own; it takes no {flag}")
         pipeline = Table1(places=Places(self.results, self.work), jobs=self.jobs)
         if self.list:
-            for stage, state in pipeline.states().items():
-                print(f"{stage}: {state}")
+            states = pipeline.states()
+            text = table(("stage", "state"), [[stage, state] for stage, state in states.items()])
+            print_json({"stages": states}) if self.json else print(text)
             return 0
         compile_first()
         try:
@@ -86,7 +94,8 @@ class Experiments:
             return INTERRUPTED
         if found is None:
             return FAILED
-        print(write(found, pipeline, table))
+        figures, text = write(found, pipeline, table)
+        print_json(figures) if self.json else print(text)
         return 0
 
     def _runs(self) -> Sequence[Run]:

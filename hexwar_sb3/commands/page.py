@@ -6,12 +6,12 @@ import json
 from collections.abc import Mapping
 from typing import Any
 
-from hexwar_sb3.commands.bench_start import peak_mb
 from hexwar_sb3.commands.output import games_bar, panel_table, table
 from hexwar_sb3.commands.run_folder import RunFolder, write_text
 from hexwar_sb3.evaluation.intervals import Estimate, paired_interval
 from hexwar_sb3.evaluation.panel import BOTS, CONSTANT_PLANS, Panel, Terms, play_panel
 from hexwar_sb3.evaluation.provenance import provenance
+from hexwar_sb3.league.cost import peak_mb
 
 TRAINED = "trained"  # the row that the others are compared with
 

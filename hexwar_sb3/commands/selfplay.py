@@ -85,7 +85,7 @@ def in_words(league: League, k: int) -> str:
     """One line on an iteration: the best of each colour."""
     from hexwar_sb3.league.league import read_json
 
-    found = read_json(league.iteration(k) / "table.json")["standings"]
+    found = read_json(league.table(k))["standings"]
     best = (
         f"{camp} {found[camp][0]['name']} {100 * found[camp][0]['win_rate']:.1f} %"
         for camp in ("red", "blue")

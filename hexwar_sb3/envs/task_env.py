@@ -83,5 +83,9 @@ class TaskEnv(gymnasium.Env[Obs, NDArray[np.int64]]):
         """Another lower level for the learner's pieces: "heuristic", a folder, a network, or a callable."""
         self.games.set_lower(lower)
 
+    def set_opponent(self, opponent: object) -> None:
+        """Opponents of the next episodes: a player, a list of them, or a list of (player, weight)."""
+        self.games.set_opponent(opponent)
+
     def _observe(self) -> Obs:
         return {key: value[0].copy() for key, value in self.games.look(self.games.all).items()}

@@ -55,8 +55,8 @@ class Terms:
         numbers = {"decision_ticks": str(self.decision_ticks), "spots": str(self.spots)}
         return {"scenario": self.scenario, **numbers, "early": early}
 
-    def play(self, red: object, blue: object) -> MatchResult:
-        """Play one cell."""
+    def play(self, red: object, blue: object, decision_ticks: tuple[int, int] | None = None) -> MatchResult:
+        """Play one cell; where red and blue decide at other times than these terms say, as they do."""
         return play_match(
             red,
             blue,
@@ -64,7 +64,7 @@ class Terms:
             self.scenario,
             self.seed,
             purpose=self.purpose,
-            decision_ticks=self.decision_ticks,
+            decision_ticks=decision_ticks or self.decision_ticks,
             spots=self.spots,
             early=self.early,
         )

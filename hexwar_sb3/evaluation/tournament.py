@@ -17,7 +17,6 @@ from hexwar_sb3.errors import FileFormatError
 from hexwar_sb3.evaluation.elo import Pairing, Ratings, elo_ratings
 from hexwar_sb3.evaluation.intervals import Estimate, wilson
 from hexwar_sb3.evaluation.jobs import run_jobs
-from hexwar_sb3.evaluation.matches import play_match
 from hexwar_sb3.evaluation.panel import Terms, trained_terms
 from hexwar_sb3.evaluation.provenance import provenance
 from hexwar_sb3.files import replacing
@@ -58,12 +57,13 @@ class Table:
         there = [(meeting, row) for meeting, row in self.rows.items() if scenario in (None, meeting.scenario)]
         return elo_ratings([_pairing(meeting, row) for meeting, row in there])
 
-    def win_rate(self, name: str, camp: str, scenario: str | None = None) -> Estimate:
-        """Win rate of a player in one camp over all its games, in 0..1."""
+    def win_rate(self, name: str, *camps: str) -> Estimate:
+        """Win rate of a player over all its games in these camps, in 0..1."""
         rows = [
             row[camp]
             for meeting, row in self.rows.items()
-            if getattr(meeting, camp) == name and scenario in (None, meeting.scenario)
+            for camp in camps
+            if getattr(meeting, camp) == name
         ]
         return wilson(sum(row["wins"] + row["draws"] / 2 for row in rows), sum(row["games"] for row in rows))
 
@@ -188,18 +188,9 @@ class Match:
 
 def play(match: Match) -> None:
     """Play a match and leave its file: a function of `match` alone, in any process."""
-    terms, meeting = match.terms, match.meeting
-    result = play_match(
-        match.red,
-        match.blue,
-        terms.games,
-        meeting.scenario,
-        terms.seed,
-        purpose=terms.purpose,
-        decision_ticks=match.decision_ticks,
-        spots=terms.spots,
-        early=terms.early,
-    )
+    meeting = match.meeting
+    terms = replace(match.terms, scenario=meeting.scenario)
+    result = terms.play(match.red, match.blue, match.decision_ticks)
     named = replace(result, red_name=meeting.red, blue_name=meeting.blue)
     games = "".join(LETTERS[score] for score in result.red.scores)
     row = {**named.summary(), **match.head(), "red_games": games}

@@ -10,7 +10,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-from hexwar_sb3.evaluation.intervals import Estimate, wilson
+from hexwar_sb3.evaluation.intervals import Estimate
 from hexwar_sb3.evaluation.jobs import run_jobs
 from hexwar_sb3.evaluation.panel import BOTS, CONSTANT_PLANS, Terms
 from hexwar_sb3.evaluation.seeds import Purpose
@@ -141,7 +141,7 @@ class Table1:
             pairs = [(str(k), name) for k in self._iterations] + [(name, str(k)) for k in self._iterations]
             meetings = [Meeting(red=red, blue=blue, scenario=terms.scenario) for red, blue in pairs]
             table = play_meetings(meetings, reds, blues, terms, self.work / "progress", jobs=self.jobs)
-            found[name] = {k: _both(table, str(k)) for k in self._iterations}
+            found[name] = {k: table.win_rate(str(k), *CAMPS) for k in self._iterations}
         return found
 
     @property
@@ -191,11 +191,3 @@ class Table1:
         """Play the matches of the table."""
         reds, blues = (self.players(camp) for camp in CAMPS)
         return play_meetings(self.meetings(), reds, blues, self.terms, self.kept / "matches", jobs=self.jobs)
-
-
-def _both(table: Table, name: str) -> Estimate:
-    """Win rate of a player in both camps together."""
-    cells = [
-        row[camp] for meeting, row in table.rows.items() for camp in CAMPS if getattr(meeting, camp) == name
-    ]
-    return wilson(sum(c["wins"] + c["draws"] / 2 for c in cells), sum(c["games"] for c in cells))

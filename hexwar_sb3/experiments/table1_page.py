@@ -172,8 +172,8 @@ def in_words(cells: list[Row], compared: list[Row], lay_out: LayOut) -> str:
     return "\n\n".join(parts)
 
 
-def write(table: Table, pipeline: Table1, lay_out: LayOut) -> str:
-    """Write table.txt, table.json and the picture of the league; the text."""
+def write(table: Table, pipeline: Table1, lay_out: LayOut) -> tuple[Row, str]:
+    """Write table.txt, and table.json; what stands in them."""
     scenario, folder = pipeline.settings.scenario, pipeline.kept
     cells, compared = rows(table, scenario), no_worse(table, scenario)
     text = in_words(cells, compared, lay_out)
@@ -189,4 +189,4 @@ def write(table: Table, pipeline: Table1, lay_out: LayOut) -> str:
     write_json(folder / "table.json", figures)
     with replacing(folder / "table.txt") as temporary:
         temporary.write_text(text + "\n", encoding="utf-8")
-    return text
+    return figures, text

@@ -13,7 +13,6 @@ from time import monotonic, process_time
 from hexwar_sb3.files import replacing
 
 FILE = "cost.json"
-PER_MB = 1 << 20 if sys.platform == "darwin" else 1 << 10  # of ru_maxrss
 
 
 @contextmanager
@@ -27,7 +26,7 @@ def measured(folder: Path, part: str) -> Iterator[None]:
         found = read_cost(folder)
         before = found.get(part, {})
         found[part] = {key: round(value + before.get(key, 0.0), 1) for key, value in spent.items()}
-        found[part]["peak_mb"] = max(before.get("peak_mb", 0.0), peak_mb())
+        found[part]["peak_mb"] = max(before.get("peak_mb", 0.0), round(peak_mb()))
         folder.mkdir(parents=True, exist_ok=True)
         with replacing(folder / FILE) as temporary:
             temporary.write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
@@ -42,5 +41,6 @@ def read_cost(folder: Path) -> dict[str, dict[str, float]]:
 
 
 def peak_mb() -> float:
-    """Largest memory of this process so far, in MB."""
-    return round(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / PER_MB, 0)
+    """Peak memory of this process so far, in MB."""
+    unit = 1 if sys.platform == "darwin" else 1024  # bytes there, kB on Linux
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * unit / 1e6

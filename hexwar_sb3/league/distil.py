@@ -9,12 +9,11 @@ from typing import Any
 from hexwar_sb3.algorithms.distillation import learn_from, teach
 from hexwar_sb3.algorithms.qmix import QMIX
 from hexwar_sb3.checks import check_whole
-from hexwar_sb3.engine.world import load_world
 from hexwar_sb3.envs.registration import make_vec_env
 from hexwar_sb3.envs.settings import check_share
 from hexwar_sb3.errors import ConfigError
 from hexwar_sb3.evaluation.seeds import Purpose, seed_for
-from hexwar_sb3.league.group import job_seed, one_thread
+from hexwar_sb3.league.group import env_steps, job_seed, one_thread
 from hexwar_sb3.play.frozen import FrozenPolicy
 
 
@@ -72,11 +71,9 @@ def distill(
                 "HexWarTask-v0", seed=seed_for(Purpose.TRAINING, own), **{**env, "lower": teacher.lower}
             )
             settings = games.get_attr("games")[0].settings
-            steps = (
-                lessons.games * load_world(settings.scenario).scenario.game_ticks // settings.decision_ticks
-            )
+            steps = env_steps(vars(settings), lessons.games)
             met.append(teach(teacher, student.policy, games, steps, lessons.epsilon, own))
-        student.policy.lower = teachers[0].lower
+        student.lead_with(teachers[0].lower)
         return learn_from(
             met,
             student.policy,

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import shutil
-import tempfile
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -16,9 +14,10 @@ import torch
 from hexwar_sb3.algorithms.qmix import QMIX
 from hexwar_sb3.engine.world import load_world
 from hexwar_sb3.envs.registration import make_vec_env
+from hexwar_sb3.evaluation.panel import Terms
 from hexwar_sb3.evaluation.seeds import SEEDS_PER_PURPOSE, Purpose, seed_for
 from hexwar_sb3.league.cost import measured
-from hexwar_sb3.league.member import CAMPS, Member, publish, save_member
+from hexwar_sb3.league.member import CAMPS, Member, making, save_member
 
 PAIRS = (CAMPS, CAMPS[::-1])  # who learns, and who is met
 Opponents = Sequence[tuple[object, float]]  # player, weight
@@ -36,9 +35,9 @@ class GroupSpec:
     refit_games: int  # before them, in which the mixer alone learns: it is new, and the replay is empty
     seed: tuple[int, ...]  # of the league, iteration, group
     folder: Path  # gets red/ and blue/
-    env: Mapping[str, Any] = field(default_factory=dict)  # settings of the task env
-    learner: Mapping[str, Any] = field(default_factory=dict)  # arguments of QMIX
-    about: Mapping[str, str] = field(default_factory=dict)  # texts for the policies' folders
+    env: Mapping[str, Any]  # settings of the task env
+    learner: Mapping[str, Any]  # arguments of QMIX
+    about: Mapping[str, str]  # texts for the policies' folders
 
     @property
     def steps(self) -> int:
@@ -55,16 +54,10 @@ def train_group(spec: GroupSpec) -> None:
     """
     if spec.folder.is_dir():
         return
-    spec.folder.parent.mkdir(parents=True, exist_ok=True)
-    made = Path(tempfile.mkdtemp(prefix=".new-", dir=spec.folder.parent))
-    try:
-        with one_thread(), measured(made, "training"):
-            for camp, model in _train(spec).items():
-                model.policy.settle()
-                save_member(model, made / camp, side=camp, **spec.about)
-        publish(made, spec.folder)
-    finally:
-        shutil.rmtree(made, ignore_errors=True)
+    with making(spec.folder) as made, one_thread(), measured(made, "training"):
+        for camp, model in _train(spec).items():
+            model.policy.settle()
+            save_member(model, made / camp, side=camp, **spec.about)
 
 
 def _train(spec: GroupSpec) -> dict[str, QMIX]:
@@ -91,7 +84,6 @@ def _start(spec: GroupSpec, camp: str) -> QMIX:
         side=camp,
         opponent=list(spec.others[camp]) or "MA1",
         lower=policy.lower,
-        privileged_state=True,
         **spec.env,
     )
     model = QMIX("TaskPolicy", env, seed=seed, **spec.learner)
@@ -106,6 +98,19 @@ def _meet(model: QMIX, partner: QMIX, spec: GroupSpec, camp: str) -> None:
     shares = [(player, (1 - spec.partner_share) * weight / total) for player, weight in others]
     partner_share = spec.partner_share if shares else 1.0
     model.get_env().env_method("set_opponent", [(partner.policy.freeze(), partner_share), *shares])  # type: ignore[union-attr]
+
+
+def env_settings(terms: Terms, n_envs: int) -> dict[str, Any]:
+    """Settings of the task env for games on these terms."""
+    return {
+        "scenario": terms.scenario,
+        "decision_ticks": terms.decision_ticks,
+        "spots": terms.spots,
+        "decisions": "event" if terms.early else "fixed",
+        "reward": "net",
+        "n_envs": n_envs,
+        "privileged_state": True,
+    }
 
 
 def env_steps(env: Mapping[str, Any], games: int) -> int:

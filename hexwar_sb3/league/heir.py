@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import shutil
-import tempfile
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,7 +13,7 @@ from hexwar_sb3.evaluation.seeds import Purpose, seed_for
 from hexwar_sb3.league.cost import measured
 from hexwar_sb3.league.distil import Lessons, distill
 from hexwar_sb3.league.group import Opponents, env_steps, job_seed, one_thread
-from hexwar_sb3.league.member import CAMPS, Member, publish, save_member
+from hexwar_sb3.league.member import CAMPS, Member, making, save_member
 
 DISTILLED, LEARNED = "distilled", "learned"  # folders of the two stages
 
@@ -48,22 +46,16 @@ def make_heir(spec: HeirSpec) -> None:
         return
     seed = job_seed(*spec.seed, CAMPS.index(spec.camp))
     teachers = [member.policy() for member in spec.teachers]
-    env = {**spec.env, "side": spec.camp, "opponent": list(spec.opponents), "privileged_state": True}
+    env = {**spec.env, "side": spec.camp, "opponent": list(spec.opponents)}
     about = {**spec.about, "teachers": ", ".join(member.name for member in spec.teachers)}
-    spec.folder.parent.mkdir(parents=True, exist_ok=True)
-    made = Path(tempfile.mkdtemp(prefix=".new-", dir=spec.folder.parent))
-    try:
-        with one_thread(), measured(made, "heir"):
-            games = make_vec_env(
-                "HexWarTask-v0", seed=seed_for(Purpose.TRAINING, seed), lower=teachers[0].lower, **env
-            )
-            student = QMIX("TaskPolicy", games, seed=seed, **spec.learner)
-            distill(teachers, student, env, spec.lessons, seed)
-            save_member(student, made / DISTILLED, side=spec.camp, **about)
-            student.refit_mixer(env_steps(env, spec.refit_games))
-            student.learn(env_steps(env, spec.games), reset_num_timesteps=False)
-            student.policy.settle()
-            save_member(student, made / LEARNED, side=spec.camp, **about)
-        publish(made, spec.folder)
-    finally:
-        shutil.rmtree(made, ignore_errors=True)
+    with making(spec.folder) as made, one_thread(), measured(made, "heir"):
+        games = make_vec_env(
+            "HexWarTask-v0", seed=seed_for(Purpose.TRAINING, seed), lower=teachers[0].lower, **env
+        )
+        student = QMIX("TaskPolicy", games, seed=seed, **spec.learner)
+        distill(teachers, student, env, spec.lessons, seed)
+        save_member(student, made / DISTILLED, side=spec.camp, **about)
+        student.refit_mixer(env_steps(env, spec.refit_games))
+        student.learn(env_steps(env, spec.games), reset_num_timesteps=False)
+        student.policy.settle()
+        save_member(student, made / LEARNED, side=spec.camp, **about)

@@ -16,6 +16,7 @@ from dataclasses import asdict, dataclass, fields, replace
 from pathlib import Path
 from typing import Any
 
+from hexwar_sb3.engine.world import load_world
 from hexwar_sb3.errors import ConfigError, FileFormatError
 from hexwar_sb3.evaluation.jobs import run_jobs
 from hexwar_sb3.evaluation.panel import Terms, trained_terms
@@ -23,10 +24,11 @@ from hexwar_sb3.evaluation.provenance import provenance
 from hexwar_sb3.evaluation.seeds import Purpose
 from hexwar_sb3.files import replacing
 from hexwar_sb3.league.cost import measured
-from hexwar_sb3.league.group import GroupSpec, Opponents, job_seed, train_group
+from hexwar_sb3.league.group import GroupSpec, Opponents, env_settings, job_seed, train_group
 from hexwar_sb3.league.member import CAMPS, Member
 from hexwar_sb3.league.selection import play_all, select, standings
 from hexwar_sb3.league.settings import EXPLORING_SHARE, LeagueSettings
+from hexwar_sb3.play.player import make_player
 
 FORMAT = "hexwar league 1"
 NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]{0,79}")
@@ -77,7 +79,9 @@ class League:
             starters: policy folders by name; one that was trained in both colours is in both.
 
         Raises:
-            ConfigError: there is a league of other settings, or a colour has no starter.
+            ConfigError: there is a league of other settings, a colour has no starter, or the starters differ in
+                decision ticks, hot spots or decision points.
+            UnknownNameError: no such bot or scenario.
             PolicyFileError: a starter is broken.
         """
         if (folder / "league.json").exists():
@@ -89,6 +93,13 @@ class League:
         for camp in CAMPS:
             if not any(policy.about.get("side", "both") in (camp, "both") for policy in policies.values()):
                 raise ConfigError(f"no model to begin with for {camp}")
+        load_world(settings.scenario)
+        for bot in settings.bots:
+            make_player(bot)
+        ways = {name: {**trained_terms(policy), "scenario": ""} for name, policy in policies.items()}
+        for name, way in ways.items():
+            if way != (first := next(iter(ways.values()))):
+                raise ConfigError(f"{name} was trained with {way}, others with {first}: they cannot meet")
         league = cls(folder, settings)
         for name, policy in policies.items():
             policy.save(league._starters / name)
@@ -300,15 +311,7 @@ class League:
 
     def env(self) -> dict[str, Any]:
         """Settings of the task env."""
-        terms, settings = self.terms(0, 1), self.settings
-        return {
-            "scenario": settings.scenario,
-            "decision_ticks": terms.decision_ticks,
-            "spots": terms.spots,
-            "decisions": "event" if terms.early else "fixed",
-            "reward": "net",
-            "n_envs": settings.n_envs,
-        }
+        return env_settings(self.terms(0, 1), self.settings.n_envs)
 
 
 def group_name(k: int, i: int, j: int) -> str:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-import os
 import shutil
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -14,7 +16,7 @@ from hexwar_sb3.rules.ruleset import default_rules
 CAMPS = ("red", "blue")
 
 
-@dataclass(frozen=True, order=True)
+@dataclass(frozen=True)
 class Member:
     """A policy of one colour in the league's folder."""
 
@@ -36,11 +38,23 @@ def save_member(model: QMIX, folder: Path, **about: str) -> None:
     model.policy.freeze(rules=default_rules().hash, **about).save(folder)
 
 
-def publish(made: Path, folder: Path) -> None:
-    """Give a finished folder its name, at once or not at all; one of that name that is there stays."""
+@contextmanager
+def making(folder: Path) -> Iterator[Path]:
+    """Give a temporary folder that becomes `folder` when the block ends well: at once or not at all."""
+    folder.parent.mkdir(parents=True, exist_ok=True)
+    made = Path(tempfile.mkdtemp(prefix=".new-", dir=folder.parent)) / folder.name
+    made.mkdir()  # with the user's own mode; mkdtemp's shuts others out
     try:
-        os.replace(made, folder)  # noqa: PTH105  # as one step; pathlib says the same in other words
+        yield made
+        _publish(made, folder)
+    finally:
+        shutil.rmtree(made.parent, ignore_errors=True)
+
+
+def _publish(made: Path, folder: Path) -> None:
+    """Give a finished folder its place; one that another process has put there stays."""
+    try:
+        made.rename(folder)
     except OSError:
         if not folder.is_dir():
             raise
-        shutil.rmtree(made)

@@ -9,12 +9,14 @@ import pytest
 import torch
 from sb3_contrib import MaskablePPO
 
+from hexwar_sb3.algorithms.hierarchical import HierarchicalQMIX
 from hexwar_sb3.algorithms.qmix import QMIX
 from hexwar_sb3.callbacks.distillation import DistillationCallback
 from hexwar_sb3.callbacks.every import EverySteps
 from hexwar_sb3.envs.registration import make_vec_env
 from hexwar_sb3.errors import ConfigError
 from hexwar_sb3.league.distil import Lessons
+from hexwar_sb3.play.lower_policy import FrozenLower, fastest_way_network
 from hexwar_sb3.policies.task_policy import TaskPolicy
 
 SHORT = Lessons(games=4, updates=60, batch_size=16, tau=0.02)
@@ -49,6 +51,17 @@ def test_the_model_learns_its_teachers_choices_then_its_mixer_then_on(tmp_path: 
     assert torch.equal(agents[0], agents[1])  # the first four games, two at a time
     assert not torch.equal(mixers[0], mixers[1])
     assert not torch.equal(agents[-2], agents[-1])
+
+
+def test_both_levels_of_a_student_are_its_teachers(tmp_path: Path) -> None:
+    teacher = qmix(1).policy.freeze().led_by(fastest_way_network())
+    model = HierarchicalQMIX("HierarchicalPolicy", qmix(2).env, phase_ticks=(1, 0), seed=2, **SMALL)
+    model.learn(48, callback=DistillationCallback([teacher], SHORT, refit_games=1))
+    model.save(tmp_path / "model")
+
+    assert isinstance(HierarchicalQMIX.load(tmp_path / "model").policy.lower, FrozenLower)
+    assert model.env is not None
+    assert model.env.get_attr("lower_level")[0] is teacher.lower
 
 
 def test_a_student_is_a_model_of_ours() -> None:

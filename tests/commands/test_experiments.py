@@ -39,12 +39,26 @@ def test_the_list_as_json_has_the_commands(hexwar: Command, tmp_path: Path) -> N
     assert len(commands) == 10
 
 
+def test_the_stages_of_table_1_are_listed(hexwar: Command, tmp_path: Path) -> None:
+    _, out, _ = hexwar("experiments", "table1", "--list", "--json", *places(tmp_path))
+
+    stages = json.loads(out)["stages"]
+    assert stages["warm-up hrl-plain-0"] == "missing"
+    assert stages["iterations of the league"] == "0 of 10"
+    assert list(tmp_path.iterdir()) == []
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
         (("fig8",), "hexwar: unknown experiment 'fig8'; did you mean 'fig7'?"),
         (("ablation", "--only", "vnd"), "hexwar: unknown run 'vnd'; did you mean 'vdn'?"),
         (("fig7", "--games", "0"), "hexwar: games must be at least 1, got 0"),
+        (
+            ("table1", "--games", "5"),
+            "hexwar: table1 is one pipeline with settings of its own; it takes no games",
+        ),
+        (("table1", "--jobs", "0"), "hexwar: jobs must be at least 1, got 0"),
         (("fig7", "--jobs", "0"), "hexwar: jobs must be at least 1, got 0"),
         (("fig7", "--seeds", "1", "1"), "hexwar: name seeds, each of them once; got (1, 1)"),
         (("fig7", "--seeds", "-1"), "hexwar: seed must be in 0..999999, got -1"),

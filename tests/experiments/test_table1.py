@@ -85,7 +85,7 @@ def test_the_pipeline_goes_from_warm_ups_to_the_table(pipeline: Table1) -> None:
     said: list[str] = []
     table = pipeline.run(said.append)
     assert table is not None
-    text = write(table, pipeline, lay_out)
+    _, text = write(table, pipeline, lay_out)
     figures = json.loads((pipeline.kept / "table.json").read_text())
 
     assert len(table.rows) == len(pipeline.meetings())

@@ -12,11 +12,12 @@ from typing import Any
 
 import pytest
 
-from hexwar_sb3.errors import ConfigError, FileFormatError, PolicyFileError
+from hexwar_sb3.errors import ConfigError, FileFormatError, PolicyFileError, UnknownNameError
 from hexwar_sb3.league import group
 from hexwar_sb3.league.group import train_group
 from hexwar_sb3.league.league import League, group_name, parent_of
 from hexwar_sb3.league.settings import LeagueSettings
+from hexwar_sb3.play.frozen import FrozenPolicy
 
 
 def contents(folder: Path) -> dict[str, str]:
@@ -152,6 +153,30 @@ def test_a_colour_needs_a_model_to_begin_with(tiny: LeagueSettings, tmp_path: Pa
     with pytest.raises(ConfigError, match="no model to begin with for red"):
         League.create(tmp_path / "league", tiny, {})
     assert not (tmp_path / "league" / "league.json").exists()
+
+
+def test_a_bot_that_does_not_exist_leaves_no_league(
+    tiny: LeagueSettings, starters: dict[str, Path], tmp_path: Path
+) -> None:
+    with pytest.raises(UnknownNameError, match="unknown player 'MA7'"):
+        League.create(tmp_path / "league", replace(tiny, bots=("MA7",)), starters)
+    assert not (tmp_path / "league").exists()
+
+
+def test_models_of_other_decision_ticks_cannot_meet(
+    tiny: LeagueSettings, starters: dict[str, Path], tmp_path: Path
+) -> None:
+    policy = FrozenPolicy.load(starters["one"])
+    policy.about["decision_ticks"] = "25"
+    policy.save(tmp_path / "quick")
+    with pytest.raises(ConfigError, match=r"quick was trained with .*25.*: they cannot meet"):
+        League.create(tmp_path / "league", tiny, {**starters, "quick": tmp_path / "quick"})
+    assert not (tmp_path / "league").exists()
+
+
+def test_what_a_group_leaves_can_be_read_by_others(whole: League) -> None:
+    mode = whole.folder.joinpath("iteration_01").stat().st_mode
+    assert whole.specs(1)[0].folder.stat().st_mode == mode
 
 
 def test_a_name_that_leads_elsewhere_is_refused(
