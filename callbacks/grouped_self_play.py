@@ -14,7 +14,7 @@ from hexwar_sb3.envs.settings import TaskSettings
 from hexwar_sb3.errors import ConfigError
 from hexwar_sb3.evaluation.panel import Terms
 from hexwar_sb3.league.league import League, read_json
-from hexwar_sb3.league.member import CAMPS, save_member
+from hexwar_sb3.league.member import CAMPS, as_member
 from hexwar_sb3.league.settings import LeagueSettings
 from hexwar_sb3.play.frozen import FrozenPolicy
 
@@ -55,25 +55,23 @@ class GroupedSelfPlayCallback(BaseCallback):
 
     def _on_training_start(self) -> None:
         model = self._model()
-        settings = cast("TaskSettings", cast("VecEnv", model.get_env()).get_attr("games")[0].settings)
-        if settings.scenario != self.settings.scenario:
-            raise ConfigError(
-                f"the league plays {self.settings.scenario}, the model's env {settings.scenario}"
-            )
+        played = cast("TaskSettings", cast("VecEnv", model.get_env()).get_attr("games")[0].settings)
+        if played.scenario != self.settings.scenario:
+            raise ConfigError(f"the league plays {self.settings.scenario}, the model's env {played.scenario}")
         own = self.folder / "learner"
         if not (own / "config.json").exists():
             terms = Terms(
                 scenario=self.settings.scenario,
-                decision_ticks=settings.decision_ticks,
-                spots=settings.spots,
-                early=settings.decisions == "event",
+                decision_ticks=played.decision_ticks,
+                spots=played.spots,
+                early=played.decisions == "event",
             )
-            save_member(model, own, side=settings.side, **terms.about())
+            as_member(model, side=played.side, **terms.about()).save(own)
         league = League.create(self.folder, self.settings, {"learner": own, **self.starters})
         league.run(self.jobs, after=lambda k: self._log(league, k))
         last = league.kept(self.settings.iterations)
         self.champions = {camp: last[camp][0].policy() for camp in CAMPS}
-        camp = "blue" if settings.side == "blue" else "red"
+        camp = "blue" if played.side == "blue" else "red"
         model.take_over(self.champions[camp])
         model.num_timesteps += league.env_steps
 

@@ -124,18 +124,18 @@ class TaskPolicy(BasePolicy):
         Args:
             about: what the policy is for: rules hash, scenario, camp, command, and so on.
         """
-        if not isinstance(self.agent, AgentNetwork):
+        return self._freeze(self.agent, about)
+
+    def freeze_settled(self, **about: str) -> FrozenPolicy:
+        """Copy the target network, a mean over the last updates (assumption A40), as `freeze` does the online one."""
+        return self._freeze(self.agent_target, about)
+
+    def _freeze(self, agent: TaskNetwork, about: dict[str, str]) -> FrozenPolicy:
+        if not isinstance(agent, AgentNetwork):
             raise ConfigError("only the additive network can be frozen; train with network='additive'")
-        weights = {
-            name: tensor.detach().cpu().numpy().copy() for name, tensor in self.agent.state_dict().items()
-        }
+        weights = {name: tensor.cpu().numpy().copy() for name, tensor in agent.state_dict().items()}
         sizes = {"n_pieces": self.shapes.n_pieces, "n_tasks": self.shapes.n_tasks}
         return FrozenPolicy(weights, **sizes, about=about, lower=self.lower)
-
-    def settle(self) -> None:
-        """Let the target networks, means over the last updates, be the online ones (assumption A40)."""
-        self.agent.load_state_dict(self.agent_target.state_dict())
-        self.mixer.load_state_dict(self.mixer_target.state_dict())
 
     def agent_of(self, policy: FrozenPolicy) -> TaskNetwork:
         """Agent network like this one's with the weights of a frozen policy.

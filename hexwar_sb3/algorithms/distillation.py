@@ -64,18 +64,21 @@ def masked_kl(
     alive: Float[Tensor, " piece"],
     tau: float,
 ) -> Float[Tensor, ""]:
-    """KL(softmax(Q_teacher / tau) || softmax(Q_student)) over valid tasks, mean over living pieces (Rusu et al. 2016, eq. 3).
+    """KL(softmax(Q_teacher / tau) || softmax(Q_student / tau)) over valid tasks, mean over living pieces.
+
+    Rusu et al. (2016, eq. 3) leave out the student's tau; with it a student has values of its teacher's size, and can
+    learn on from them.
 
     Args:
-        student_q: its values of every valid task, taken as logits.
-        teacher_q: the teacher's, in scaled points.
+        student_q: its values of every valid task, in scaled points.
+        teacher_q: the teacher's.
         sets: the task sets.
         alive: 1 for a living piece; the dead weigh nothing.
-        tau: temperature; a small one makes the teacher's choice sharp.
+        tau: temperature; a small one makes choices sharp.
     """
     lowest = torch.finfo(student_q.dtype).min
     wanted = nn.functional.log_softmax(sets.spread(teacher_q / tau, lowest), dim=1)
-    given = nn.functional.log_softmax(sets.spread(student_q, lowest), dim=1)
+    given = nn.functional.log_softmax(sets.spread(student_q / tau, lowest), dim=1)
     each = nn.functional.kl_div(given, wanted, reduction="none", log_target=True).sum(dim=1)
     return (each * alive).sum() / alive.sum().clamp(min=1.0)
 

@@ -41,7 +41,7 @@ class Distill:
         from hexwar_sb3.evaluation.panel import Terms, trained_terms
         from hexwar_sb3.league.distil import Lessons, distill
         from hexwar_sb3.league.group import env_settings
-        from hexwar_sb3.league.member import save_member
+        from hexwar_sb3.league.member import as_member
         from hexwar_sb3.play.frozen import FrozenPolicy
         from hexwar_sb3.rules.ruleset import default_rules
 
@@ -59,7 +59,7 @@ class Distill:
         )
         losses = distill(teachers, student, env, lessons, self.seed)
         names = ", ".join(Path(teacher).name for teacher in self.teachers)
-        save_member(student, self.output, side=self.side, teachers=names, **terms.about())
+        as_member(student, side=self.side, teachers=names, **terms.about()).save(self.output)
         figures = {"policy": str(self.output), "teachers": list(self.teachers), "loss": losses[-1]}
         if self.json:
             print_json(figures)

@@ -34,10 +34,11 @@ class SelfPlay:
     iterations: int = 10  # of training, round robin and selection
     keep: int = 4  # models of each colour that are kept; keep * keep groups train
     games: int = 800  # that each of the two models of a group learns from, an iteration
+    trial_games: int = 100  # of a version of a model against each of its panel; the best version is kept
     match_games: int = 50  # of each pairing in the round robin
     warm_up_games: int = 400  # of each model to begin with against each bot, to rank them
     bots: tuple[str, ...] = ("MA1", "MA2")  # that models go on meeting
-    partner_share: float = 0.4  # of these games, against the partner of the group
+    partner_share: float = 0.3  # of these games, against the partner of the group
     past_share: float = 0.3  # of these games, against the best of the iterations before
     scenario: ScenarioName = "plain"
     seed: Seed = 0

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import shutil
 from collections.abc import Callable
+from contextlib import nullcontext
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -18,19 +19,23 @@ from hexwar_sb3.evaluation.tournament import Meeting, Table, play_meetings
 from hexwar_sb3.experiments.carry_out import carry_out
 from hexwar_sb3.experiments.fig7 import pair
 from hexwar_sb3.experiments.runs import Budget, Places, Run
+from hexwar_sb3.league.cost import Cost, added, measured, read_cost
 from hexwar_sb3.league.distil import Lessons
 from hexwar_sb3.league.heir import DISTILLED, LEARNED, HeirSpec, make_heir
-from hexwar_sb3.league.league import League
+from hexwar_sb3.league.league import League, read_json
 from hexwar_sb3.league.member import CAMPS
 from hexwar_sb3.league.picture import draw_league
 from hexwar_sb3.league.settings import LeagueSettings
 
 NAME = "table1"
 ROWS = ("HRL0", "HRL1", "HRL2", "CAI")
-UNSEEN = ("nearest", "defender")  # bots that nothing was trained or selected against
+UNSEEN = ("nearest", "defender", *CONSTANT_PLANS)  # bots that nothing was trained or selected against
 COLUMNS = (*BOTS, "HRL0", "HRL1", *UNSEEN)
 DISTILLED_ROW = "CAI, distilled only"
 WARM_UPS = 10_000  # games
+HEIR = {"learning_rate": 5e-4, "final_learning_rate": 2e-5, "buffer_size": 60_000}
+"""Arguments of QMIX for CAI, where they differ from those of the league's first iteration."""
+
 Say = Callable[[str], object]
 
 
@@ -42,7 +47,8 @@ class Table1:
     seeds: tuple[int, ...] = (0, 1, 2, 3)  # of the warm-ups
     settings: LeagueSettings = field(default_factory=LeagueSettings)
     lessons: Lessons = field(default_factory=Lessons)
-    heir_games: int = 3_000  # in which CAI learns on
+    heir_games: int = 6_000  # in which CAI learns on
+    heir_rounds: int = 12  # parts of them; after each a version is judged
     games: int = 2_000  # a cell
     progress_games: int = 400  # a colour and opponent, for each point of the league's picture
     jobs: int = 1  # side by side
@@ -69,11 +75,14 @@ class Table1:
         league.run(self.jobs, after=lambda k: self._after(league, k, say))
         say("heirs: distillation, then learning on")
         missing = [spec for spec in self.heirs(league) if not self.policy("CAI", spec.camp).is_dir()]
-        run_jobs(make_heir, missing, self.jobs, "heir")
+        if missing:
+            with measured(self.kept, "heirs", self.jobs):
+                run_jobs(make_heir, missing, self.jobs, "heir")
         self._keep_policies(league)
         if not (self.kept / "league.png").exists():
             say("matches of the best of each iteration")
-            draw_league(league, self.progress(league), self.kept / "league.png")
+            with measured(self.kept, "progress", self.jobs):
+                draw_league(league, self.progress(league), self.kept / "league.png")
         say("matches of the table")
         return self.measure()
 
@@ -118,10 +127,13 @@ class Table1:
                     lessons=self.lessons,
                     games=self.heir_games,
                     refit_games=settings.refit_games,
+                    rounds=self.heir_rounds,
+                    panel=league.panel(settings.iterations + 1, camp),
+                    trial=league.terms(settings.iterations + 1, settings.trial_games),
                     seed=(settings.seed, settings.iterations + 1),
                     folder=self.work / "heirs" / camp,
                     env=league.env(),
-                    learner=league.learner(self.heir_games),
+                    learner={**league.learner(self.heir_games, 1), **HEIR},
                     about=league.terms(0, 1).about(),
                 )
             )
@@ -190,4 +202,15 @@ class Table1:
     def measure(self) -> Table:
         """Play the matches of the table."""
         reds, blues = (self.players(camp) for camp in CAMPS)
-        return play_meetings(self.meetings(), reds, blues, self.terms, self.kept / "matches", jobs=self.jobs)
+        folder, meetings = self.kept / "matches", self.meetings()
+        is_whole = all((folder / meeting.file).exists() for meeting in meetings)
+        with nullcontext() if is_whole else measured(self.kept, "matches", self.jobs):
+            return play_meetings(meetings, reds, blues, self.terms, folder, jobs=self.jobs)
+
+    def costs(self) -> Cost:
+        """Wall and core time of every stage, as far as it was measured."""
+        pages = [self.places.kept(run) / "page.json" for run in self.warm_ups()]
+        seconds = [60.0 * read_json(page)["minutes"] for page in pages if page.exists()]
+        warm_ups = {"warm-ups": {"wall_s": sum(seconds), "core_s": sum(seconds)}}
+        league = [read_cost(self.kept / "league" / f"iteration_{k:02d}") for k in self._iterations]
+        return added([warm_ups, *league, read_cost(self.kept)])

@@ -15,6 +15,7 @@ from hexwar_sb3.evaluation.provenance import provenance
 from hexwar_sb3.evaluation.tournament import Meeting, Table
 from hexwar_sb3.experiments.table1 import COLUMNS, ROWS, Table1
 from hexwar_sb3.files import replacing
+from hexwar_sb3.league.cost import Cost
 from hexwar_sb3.league.heir import DISTILLED
 from hexwar_sb3.league.league import write_json
 from hexwar_sb3.league.member import CAMPS
@@ -126,7 +127,7 @@ def no_worse(table: Table, scenario: str) -> list[Row]:
     return found
 
 
-def in_words(cells: list[Row], compared: list[Row], lay_out: LayOut) -> str:
+def in_words(cells: list[Row], compared: list[Row], costs: Cost, lay_out: LayOut) -> str:
     """Win rates as in the paper's table, margins and points held below, and what is missed."""
     by_place = {(cell["row"], cell["column"], cell["camp"]): cell for cell in cells}
     names = list(dict.fromkeys(cell["row"] for cell in cells))
@@ -158,6 +159,16 @@ def in_words(cells: list[Row], compared: list[Row], lay_out: LayOut) -> str:
         for one in compared
     ]
     below = list(missed(cells)) or ["none"]
+    whole = {key: sum(cost[key] for cost in costs.values()) for key in ("wall_s", "core_s")}
+    spent = [
+        [
+            stage,
+            f"{cost['wall_s'] / 60:.1f}",
+            f"{cost['core_s'] / 60:.1f}",
+            f"{100 * cost['core_s'] / max(whole['core_s'], 1.0):.0f} %",
+        ]
+        for stage, cost in {**costs, "all": whole}.items()
+    ]
     parts = [
         "Win rate of the row's player, %, as red / as blue; intervals are in table.json.",
         grid(lambda cell: f"{100 * cell['win_rate']:.1f}"),
@@ -168,6 +179,7 @@ def in_words(cells: list[Row], compared: list[Row], lay_out: LayOut) -> str:
         "Paired, points of win rate on the same seeds:\n"
         + lay_out(("player", "minus", "against", "difference"), gains),
         "Cells below their bar:\n" + "\n".join(below),
+        "Time, each job counted as a core:\n" + lay_out(("stage", "wall min", "core min", "share"), spent),
     ]
     return "\n\n".join(parts)
 
@@ -176,7 +188,8 @@ def write(table: Table, pipeline: Table1, lay_out: LayOut) -> tuple[Row, str]:
     """Write table.txt, and table.json; what stands in them."""
     scenario, folder = pipeline.settings.scenario, pipeline.kept
     cells, compared = rows(table, scenario), no_worse(table, scenario)
-    text = in_words(cells, compared, lay_out)
+    costs = pipeline.costs()
+    text = in_words(cells, compared, costs, lay_out)
     figures = {
         "command": "hexwar experiments table1",
         "settings": asdict(pipeline.settings),
@@ -185,6 +198,7 @@ def write(table: Table, pipeline: Table1, lay_out: LayOut) -> tuple[Row, str]:
         "cells": cells,
         "paired": compared,
         "missed": list(missed(cells)),
+        "costs": costs,
     }
     write_json(folder / "table.json", figures)
     with replacing(folder / "table.txt") as temporary:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import resource
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from time import monotonic, process_time
@@ -13,16 +13,25 @@ from time import monotonic, process_time
 from hexwar_sb3.files import replacing
 
 FILE = "cost.json"
+Cost = dict[str, dict[str, float]]  # by part: wall_s, core_s, peak_mb
 
 
 @contextmanager
-def measured(folder: Path, part: str) -> Iterator[None]:
-    """Add wall and core time of the block to a part in the folder's file; core time is this process's alone."""
+def measured(folder: Path, part: str, jobs: int = 1) -> Iterator[None]:
+    """Add wall and core time of the block to a part in the folder's file.
+
+    Args:
+        folder: gets the file.
+        part: name of what the block does.
+        jobs: processes that it runs side by side: each counts as a core for all of its wall time. With one, core time
+            is this process's.
+    """
     wall, core = monotonic(), process_time()
     try:
         yield
     finally:
-        spent = {"wall_s": monotonic() - wall, "core_s": process_time() - core}
+        passed = monotonic() - wall
+        spent = {"wall_s": passed, "core_s": passed * jobs if jobs > 1 else process_time() - core}
         found = read_cost(folder)
         before = found.get(part, {})
         found[part] = {key: round(value + before.get(key, 0.0), 1) for key, value in spent.items()}
@@ -32,12 +41,24 @@ def measured(folder: Path, part: str) -> Iterator[None]:
             temporary.write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
 
 
-def read_cost(folder: Path) -> dict[str, dict[str, float]]:
+def read_cost(folder: Path) -> Cost:
     """Parts and what they cost; nothing if the file is missing or broken."""
     try:
         return dict(json.loads((folder / FILE).read_text(encoding="utf-8")))
     except (OSError, ValueError, TypeError):
         return {}
+
+
+def added(costs: Iterable[Cost]) -> Cost:
+    """Costs of several folders, part by part: seconds add up, the highest peak stays."""
+    total: Cost = {}
+    for cost in costs:
+        for part, spent in cost.items():
+            before = total.setdefault(part, {})
+            for key, value in spent.items():
+                old = before.get(key, 0.0)
+                before[key] = max(old, value) if key == "peak_mb" else old + value
+    return total
 
 
 def peak_mb() -> float:

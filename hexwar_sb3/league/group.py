@@ -17,7 +17,8 @@ from hexwar_sb3.envs.registration import make_vec_env
 from hexwar_sb3.evaluation.panel import Terms
 from hexwar_sb3.evaluation.seeds import SEEDS_PER_PURPOSE, Purpose, seed_for
 from hexwar_sb3.league.cost import measured
-from hexwar_sb3.league.member import CAMPS, Member, making, save_member
+from hexwar_sb3.league.judge import Judge
+from hexwar_sb3.league.member import CAMPS, Member, making
 
 PAIRS = (CAMPS, CAMPS[::-1])  # who learns, and who is met
 Opponents = Sequence[tuple[object, float]]  # player, weight
@@ -33,6 +34,8 @@ class GroupSpec:
     games: int  # that each of the two learns from
     rounds: int  # parts of them: in each, first red and then blue learns, against the other as it then is
     refit_games: int  # before them, in which the mixer alone learns: it is new, and the replay is empty
+    panels: Mapping[str, Sequence[object]]  # by camp: whom its versions, one a round, are judged against
+    trial: Terms  # of the games against each of a panel
     seed: tuple[int, ...]  # of the league, iteration, group
     folder: Path  # gets red/ and blue/
     env: Mapping[str, Any]  # settings of the task env
@@ -55,14 +58,14 @@ def train_group(spec: GroupSpec) -> None:
     if spec.folder.is_dir():
         return
     with making(spec.folder) as made, one_thread(), measured(made, "training"):
-        for camp, model in _train(spec).items():
-            model.policy.settle()
-            save_member(model, made / camp, side=camp, **spec.about)
+        for camp, judge in _train(spec).items():
+            judge.save(made / camp)
 
 
-def _train(spec: GroupSpec) -> dict[str, QMIX]:
-    """Let red and blue learn in turn; both models by camp."""
+def _train(spec: GroupSpec) -> dict[str, Judge]:
+    """Let red and blue learn in turn; by camp, who knows the best version."""
     models = {camp: _start(spec, camp) for camp in CAMPS}
+    judges = {camp: Judge(camp, spec.panels[camp], spec.trial, spec.about) for camp in CAMPS}
     for camp, other in PAIRS:
         _meet(models[camp], models[other], spec, camp)
         models[camp].refit_mixer(env_steps(spec.env, spec.refit_games))
@@ -71,7 +74,8 @@ def _train(spec: GroupSpec) -> dict[str, QMIX]:
         for camp, other in PAIRS:
             _meet(models[camp], models[other], spec, camp)
             models[camp].learn(steps, reset_num_timesteps=False)
-    return models
+            judges[camp].see(models[camp])
+    return judges
 
 
 def _start(spec: GroupSpec, camp: str) -> QMIX:

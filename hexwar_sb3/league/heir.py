@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from stable_baselines3.common.callbacks import ConvertCallback, EveryNTimesteps
+
 from hexwar_sb3.algorithms.qmix import QMIX
 from hexwar_sb3.envs.registration import make_vec_env
+from hexwar_sb3.evaluation.panel import Terms
 from hexwar_sb3.evaluation.seeds import Purpose, seed_for
 from hexwar_sb3.league.cost import measured
 from hexwar_sb3.league.distil import Lessons, distill
 from hexwar_sb3.league.group import Opponents, env_steps, job_seed, one_thread
-from hexwar_sb3.league.member import CAMPS, Member, making, save_member
+from hexwar_sb3.league.judge import Judge
+from hexwar_sb3.league.member import CAMPS, Member, as_member, making
 
 DISTILLED, LEARNED = "distilled", "learned"  # folders of the two stages
 
@@ -28,6 +32,9 @@ class HeirSpec:
     lessons: Lessons
     games: int  # in which the student learns on
     refit_games: int  # before them, in which its mixer alone learns
+    rounds: int  # parts of its games; after each a version is judged
+    panel: Sequence[object]  # against these
+    trial: Terms  # in games on these terms
     seed: tuple[int, ...]
     folder: Path  # gets distilled/ and learned/
     env: Mapping[str, Any]  # settings of the task env
@@ -54,8 +61,22 @@ def make_heir(spec: HeirSpec) -> None:
         )
         student = QMIX("TaskPolicy", games, seed=seed, **spec.learner)
         distill(teachers, student, env, spec.lessons, seed)
-        save_member(student, made / DISTILLED, side=spec.camp, **about)
+        as_member(student, side=spec.camp, **about).save(made / DISTILLED)
         student.refit_mixer(env_steps(env, spec.refit_games))
-        student.learn(env_steps(env, spec.games), reset_num_timesteps=False)
-        student.policy.settle()
-        save_member(student, made / LEARNED, side=spec.camp, **about)
+        judge = Judge(spec.camp, spec.panel, spec.trial, about)
+        _learn_on(student, spec, judge)
+        judge.save(made / LEARNED)
+
+
+def _learn_on(student: QMIX, spec: HeirSpec, judge: Judge) -> None:
+    """Let the student learn, and show the judge what it is before and after every part of its games."""
+
+    def see(*_: object) -> bool:
+        judge.see(student)
+        return True
+
+    steps = env_steps(spec.env, spec.games)
+    every = EveryNTimesteps(-(-steps // spec.rounds), ConvertCallback(see))
+    see()
+    student.learn(steps, every, reset_num_timesteps=False)
+    see()

@@ -25,9 +25,9 @@ from hexwar_sb3.evaluation.seeds import Purpose
 from hexwar_sb3.files import replacing
 from hexwar_sb3.league.cost import measured
 from hexwar_sb3.league.group import GroupSpec, Opponents, env_settings, job_seed, train_group
-from hexwar_sb3.league.member import CAMPS, Member
+from hexwar_sb3.league.member import CAMPS, Member, clear_unfinished
 from hexwar_sb3.league.selection import play_all, select, standings
-from hexwar_sb3.league.settings import EXPLORING_SHARE, LeagueSettings
+from hexwar_sb3.league.settings import EXPLORING_SHARE, LEARNER, LeagueSettings
 from hexwar_sb3.play.player import make_player
 
 FORMAT = "hexwar league 1"
@@ -194,9 +194,9 @@ class League:
         after(0)
         for k in range(1, self.settings.iterations + 1):
             if not self.is_done(k):
-                with measured(self.iteration(k), "groups"):
+                with measured(self.iteration(k), "groups", jobs):
                     self._train_groups(k, jobs)
-                with measured(self.iteration(k), "round robin"):
+                with measured(self.iteration(k), "round robin", jobs):
                     self._select(k, jobs)
             after(k)
 
@@ -215,11 +215,13 @@ class League:
 
     def _train_groups(self, k: int, jobs: int) -> None:
         run_jobs(train_group, [spec for spec in self.specs(k) if not spec.folder.is_dir()], jobs, "group")
+        clear_unfinished(self.iteration(k) / "groups")
 
     def specs(self, k: int) -> list[GroupSpec]:
         """What the groups of an iteration depend on: the models that were kept, and those before them."""
         kept, settings = self.kept(k - 1), self.settings
         others = {camp: self.others(k, camp) for camp in CAMPS}
+        panels = {camp: self.panel(k, camp) for camp in CAMPS}
         return [
             GroupSpec(
                 members={"red": kept["red"][i], "blue": kept["blue"][j]},
@@ -228,29 +230,45 @@ class League:
                 games=settings.games,
                 rounds=settings.rounds,
                 refit_games=settings.refit_games,
+                panels=panels,
+                trial=self.terms(k, settings.trial_games),
                 seed=(settings.seed, k, i, j),
                 folder=self.group(k, group_name(k, i, j)),
                 env=self.env(),
-                learner=self.learner(settings.games),
+                learner=self.learner(settings.games, k),
                 about=self.terms(0, 1).about(),
             )
             for i in range(settings.keep)
             for j in range(settings.keep)
         ]
 
-    def learner(self, games: int) -> dict[str, Any]:
-        """Arguments of QMIX for so many games."""
-        return {"exploration_episodes": max(1, int(EXPLORING_SHARE * games)), **self.settings.learner}
+    def learner(self, games: int, k: int) -> dict[str, Any]:
+        """Arguments of QMIX for so many games of iteration k."""
+        settings = self.settings
+        given = {"exploration_episodes": max(1, int(EXPLORING_SHARE * games)), **settings.learner}
+        rate = given.get("learning_rate", LEARNER["learning_rate"]) * settings.cooling ** (k - 1)
+        return {**given, "learning_rate": rate}
 
     def others(self, k: int, camp: str) -> Opponents:
         """Whom models of a colour meet beside their partners: the best of all iterations before, and bots."""
-        enemy, settings = CAMPS[1 - CAMPS.index(camp)], self.settings
-        past: list[object] = [str(self.kept(before)[enemy][0].folder) for before in range(k)]
+        settings = self.settings
+        past: list[object] = [str(member.folder) for member in self._best_before(k, camp)]
         bots_share = 1.0 - settings.partner_share - settings.past_share
         shares = ((past, settings.past_share), (list(settings.bots), bots_share))
         return [
             (player, share / len(players)) for players, share in shares for player in players if share > 0
         ]
+
+    def panel(self, k: int, camp: str) -> list[object]:
+        """Whom versions of a model are judged against: the enemy's first and latest best, and bots."""
+        before = self._best_before(k, camp)
+        ends = dict.fromkeys(str(member.folder) for member in (before[0], before[-1]))
+        return [*ends, *self.settings.bots]
+
+    def _best_before(self, k: int, camp: str) -> list[Member]:
+        """The best of the other colour, of each iteration before k."""
+        enemy = CAMPS[1 - CAMPS.index(camp)]
+        return [self.kept(before)[enemy][0] for before in range(k)]
 
     def _select(self, k: int, jobs: int) -> None:
         models = self.models(k)

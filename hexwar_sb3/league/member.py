@@ -14,6 +14,7 @@ from hexwar_sb3.play.frozen import FrozenPolicy
 from hexwar_sb3.rules.ruleset import default_rules
 
 CAMPS = ("red", "blue")
+UNFINISHED = ".new-"  # begins the names of folders that are being made
 
 
 @dataclass(frozen=True)
@@ -33,22 +34,28 @@ class Member:
         return FrozenPolicy.load(self.folder, rules=default_rules().hash)
 
 
-def save_member(model: QMIX, folder: Path, **about: str) -> None:
-    """Write what a model plays by."""
-    model.policy.freeze(rules=default_rules().hash, **about).save(folder)
+def as_member(model: QMIX, **about: str) -> FrozenPolicy:
+    """What a model plays by."""
+    return model.policy.freeze(rules=default_rules().hash, **about)
 
 
 @contextmanager
 def making(folder: Path) -> Iterator[Path]:
     """Give a temporary folder that becomes `folder` when the block ends well: at once or not at all."""
     folder.parent.mkdir(parents=True, exist_ok=True)
-    made = Path(tempfile.mkdtemp(prefix=".new-", dir=folder.parent)) / folder.name
+    made = Path(tempfile.mkdtemp(prefix=UNFINISHED, dir=folder.parent)) / folder.name
     made.mkdir()  # with the user's own mode; mkdtemp's shuts others out
     try:
         yield made
         _publish(made, folder)
     finally:
         shutil.rmtree(made.parent, ignore_errors=True)
+
+
+def clear_unfinished(folder: Path) -> None:
+    """Remove what processes that were killed were making there."""
+    for left in folder.glob(f"{UNFINISHED}*"):
+        shutil.rmtree(left, ignore_errors=True)
 
 
 def _publish(made: Path, folder: Path) -> None:

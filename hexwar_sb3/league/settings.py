@@ -10,11 +10,11 @@ from hexwar_sb3.envs.settings import check_share
 from hexwar_sb3.errors import ConfigError, UnknownNameError
 
 LEARNER: dict[str, Any] = {
-    "learning_rate": 3e-4,
+    "learning_rate": 2e-4,  # of the first iteration
     "learning_starts": 0,
     "tau": 0.003,  # a model plays as the mean of its last updates
-    "buffer_size": 20_000,
-    "exploration_initial_eps": 0.1,
+    "buffer_size": 24_000,  # a group's games
+    "exploration_initial_eps": 0.05,
     "exploration_final_eps": 0.01,
 }
 """Arguments of QMIX for a model that learns on; epsilon falls over the first 40 % of its games."""
@@ -26,13 +26,15 @@ LEARNS_BY = (
     *("exploration_initial_eps", "exploration_final_eps", "exploration_episodes", "exploration_every"),
 )
 """Arguments of QMIX that a league may set; none of them names a file."""
-MOST_STEPS = 1_000_000  # of a replay
+MOST = {"buffer_size": 1_000_000, "batch_size": 65_536, "gradient_steps": 1_000, "n_steps": 1_000}
+"""Limits of those that cost memory or time."""
 RANGES = {
     "iterations": (0, 1_000),
     "keep": (1, 16),
     "games": (1, 1_000_000),
     "rounds": (1, 1_000),
     "refit_games": (0, 100_000),
+    "trial_games": (1, 100_000),
     "match_games": (1, 100_000),
     "warm_up_games": (1, 100_000),
     "seed": (0, 999_999),
@@ -47,11 +49,13 @@ class LeagueSettings:
     iterations: int = 10
     keep: int = 4  # models of each colour that an iteration keeps; keep * keep groups train
     games: int = 800  # that each of the two models of a group learns from
-    rounds: int = 2  # parts of them: red and blue learn in turn
-    partner_share: float = 0.4  # of these games against the partner
+    rounds: int = 4  # parts of them: red and blue learn in turn
+    partner_share: float = 0.3  # of these games against the partner
     past_share: float = 0.3  # against the best of each iteration before
     bots: tuple[str, ...] = ("MA1", "MA2")  # the rest is theirs
     refit_games: int = 200  # before them, in which the mixer alone learns: it is new, the replay empty
+    cooling: float = 0.85  # an iteration's learning rate, as part of that before it
+    trial_games: int = 100  # of a version, one a round, against each of its panel; the best is the group's
     match_games: int = 50  # of each pairing in the round robin that selects
     warm_up_games: int = 400  # against each bot, to choose the first models
     scenario: str = "plain"
@@ -69,15 +73,15 @@ class LeagueSettings:
         for name, (least, most) in RANGES.items():
             if check_whole(name, getattr(self, name), least=least) > most:
                 raise ConfigError(f"{name} must be at most {most}, got {getattr(self, name)}")
-        for name in ("partner_share", "past_share"):
+        for name in ("partner_share", "past_share", "cooling"):
             check_share(name, check_number(name, getattr(self, name)))
         named: tuple[object, ...] = (self.scenario, *self.bots)
         if not all(isinstance(name, str) for name in named):
             raise ConfigError(f"scenario and bots are names, got {self.scenario!r} and {self.bots!r}")
-        shares = self.partner_share + self.past_share
-        if shares > 1.0:
-            raise ConfigError(f"partner_share and past_share must add up to at most 1, got {shares}")
-        if shares < 1.0 and not self.bots:
+        total = self.partner_share + self.past_share
+        if total > 1.0:
+            raise ConfigError(f"partner_share and past_share must add up to at most 1, got {total}")
+        if total < 1.0 and not self.bots:
             raise ConfigError("without bots, partner_share and past_share must add up to 1")
         self._check_learner()
 
@@ -87,8 +91,10 @@ class LeagueSettings:
                 raise UnknownNameError("argument of the learner", name, LEARNS_BY)
             if not isinstance(value, int | float | str | None):
                 raise ConfigError(f"{name} of the learner is a number or a name, got {value!r}")
-        if check_whole("buffer_size", self.learner.get("buffer_size", 1), least=1) > MOST_STEPS:
-            raise ConfigError(f"buffer_size must be at most {MOST_STEPS}, got {self.learner['buffer_size']}")
+        check_number("learning_rate of the learner", self.learner.get("learning_rate", 0.0))
+        for name, most in MOST.items():
+            if check_whole(f"{name} of the learner", self.learner.get(name, 1), least=1) > most:
+                raise ConfigError(f"{name} of the learner must be at most {most}, got {self.learner[name]}")
 
 
 def check_number(setting: str, value: object) -> float:

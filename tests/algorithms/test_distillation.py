@@ -29,7 +29,7 @@ def test_the_loss_by_hand() -> None:
     """KL of (3/4, 1/4) to (1/2, 1/2), and of the same to itself."""
     sets = sets_of([2, 2], 2)
     teacher = torch.tensor([log(3.0), 0.0, 1.0, 2.0]) * 0.5
-    student = torch.tensor([7.0, 7.0, 1.0, 2.0])
+    student = torch.tensor([7.0, 7.0, 1.5, 2.0])
 
     expected = 0.75 * log(0.75 / 0.5) + 0.25 * log(0.25 / 0.5)
     assert masked_kl(student, teacher, sets, torch.tensor([1.0, 0.0]), 0.5).item() == pytest.approx(expected)

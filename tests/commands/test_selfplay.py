@@ -10,10 +10,23 @@ import pytest
 from hexwar_sb3.algorithms.qmix import QMIX
 from hexwar_sb3.cli import main
 from hexwar_sb3.envs.registration import make_vec_env
-from hexwar_sb3.league.member import save_member
+from hexwar_sb3.league.member import as_member
 from hexwar_sb3.play.frozen import FrozenPolicy
 
-FEW = ("--keep", "1", "--iterations", "1", "--games", "2", "--match-games", "1", "--warm-up-games", "2")
+FEW = (
+    "--keep",
+    "1",
+    "--iterations",
+    "1",
+    "--games",
+    "2",
+    "--trial-games",
+    "1",
+    "--match-games",
+    "1",
+    "--warm-up-games",
+    "2",
+)
 
 
 def run(*arguments: str) -> int:
@@ -28,7 +41,7 @@ def starters(tmp_path_factory: pytest.TempPathFactory) -> list[str]:
     folder, env = tmp_path_factory.mktemp("runs"), make_vec_env(n_envs=1, privileged_state=True)
     for seed in (1, 2):
         model = QMIX("TaskPolicy", env, seed=seed, buffer_size=10)
-        save_member(model, folder / f"run_{seed}" / "policy", side="both", scenario="plain")
+        as_member(model, side="both", scenario="plain").save(folder / f"run_{seed}" / "policy")
     return [str(folder / "run_1"), str(folder / "run_2")]
 
 

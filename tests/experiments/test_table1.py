@@ -19,7 +19,7 @@ from hexwar_sb3.experiments.table1 import COLUMNS, ROWS, Table1
 from hexwar_sb3.experiments.table1_page import PAPER, bar, in_words, missed, no_worse, rows, write
 from hexwar_sb3.league.distil import Lessons
 from hexwar_sb3.league.heir import DISTILLED
-from hexwar_sb3.league.member import save_member
+from hexwar_sb3.league.member import as_member
 from hexwar_sb3.league.settings import LeagueSettings
 
 WINS = {"HRL0": 2, "HRL1": 3, "HRL2": 3, "CAI": 4, DISTILLED: 1}  # of 4 games as red; as blue the same
@@ -60,7 +60,7 @@ def pipeline(tmp_path: Path) -> Table1:
     """A pipeline of a minute, whose warm-ups are there."""
     places = Places(tmp_path / "results", tmp_path / "work")
     settings = LeagueSettings(
-        keep=2, iterations=1, games=4, rounds=1, refit_games=1, match_games=2, warm_up_games=2, n_envs=2,
+        keep=2, iterations=1, games=4, rounds=1, refit_games=1, trial_games=1, match_games=2, warm_up_games=2, n_envs=2,
         learner={"learning_starts": 0, "buffer_size": 200, "batch_size": 8},
     )  # fmt: skip
     lessons = Lessons(games=2, updates=5, batch_size=8)
@@ -76,7 +76,7 @@ def pipeline(tmp_path: Path) -> Table1:
     env = make_vec_env(n_envs=1, privileged_state=True)
     for run in made.warm_ups():
         model = QMIX("TaskPolicy", env, seed=run.seed, buffer_size=10)
-        save_member(model, places.kept(run) / "policy", side="both", scenario="plain")
+        as_member(model, side="both", scenario="plain").save(places.kept(run) / "policy")
         (places.kept(run) / "command.txt").write_text(run.command + "\n")
     return made
 
@@ -93,6 +93,7 @@ def test_the_pipeline_goes_from_warm_ups_to_the_table(pipeline: Table1) -> None:
         (name, 2) for name in (*ROWS, DISTILLED, *CONSTANT_PLANS)
     }
     assert (pipeline.kept / "table.txt").read_text() == text + "\n"
+    assert {"groups", "round robin", "heirs", "matches", "progress"} <= set(figures["costs"])
     assert pipeline.states()["iterations of the league"] == "1 of 1"
     assert said[-1] == "matches of the table"
     assert (pipeline.kept / "league.png").stat().st_size > 10_000
@@ -150,8 +151,11 @@ def test_differences_are_paired_game_by_game() -> None:
 
 def test_the_page_shows_every_row() -> None:
     table = counted()
-    text = in_words(rows(table, "plain"), no_worse(table, "plain"), lay_out)
+    costs = {"warm-ups": {"wall_s": 120.0, "core_s": 120.0}, "matches": {"wall_s": 60.0, "core_s": 360.0}}
+    text = in_words(rows(table, "plain"), no_worse(table, "plain"), costs, lay_out)
 
     for name in (*ROWS, DISTILLED, *CONSTANT_PLANS):
         assert f"\n{name} " in text
     assert "97 / 96" in text
+    assert ["matches", "1.0", "6.0", "75", "%"] in [line.split() for line in text.splitlines()]
+    assert ["all", "3.0", "8.0", "100", "%"] in [line.split() for line in text.splitlines()]

@@ -10,7 +10,7 @@ import pytest
 from hexwar_sb3.algorithms.qmix import QMIX
 from hexwar_sb3.envs.registration import make_vec_env
 from hexwar_sb3.league.league import League
-from hexwar_sb3.league.member import save_member
+from hexwar_sb3.league.member import as_member
 from hexwar_sb3.league.settings import LeagueSettings
 
 TINY: dict[str, Any] = {
@@ -19,6 +19,7 @@ TINY: dict[str, Any] = {
     "games": 4,
     "rounds": 2,
     "refit_games": 0,
+    "trial_games": 1,
     "match_games": 2,
     "warm_up_games": 2,
     "n_envs": 2,
@@ -33,9 +34,8 @@ def starters(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     folder = tmp_path_factory.mktemp("starters")
     env = make_vec_env(n_envs=1, privileged_state=True)
     for seed, name in enumerate(("one", "two")):
-        save_member(
-            QMIX("TaskPolicy", env, seed=seed, buffer_size=10), folder / name, side="both", scenario="plain"
-        )
+        model = QMIX("TaskPolicy", env, seed=seed, buffer_size=10)
+        as_member(model, side="both", scenario="plain").save(folder / name)
     return {"one": folder / "one", "two": folder / "two"}
 
 

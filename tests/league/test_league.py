@@ -46,7 +46,23 @@ def test_models_meet_their_partner_the_past_and_the_bots(whole: League) -> None:
         "MA1",
         "MA2",
     ]
-    assert [weight for _, weight in others] == pytest.approx([0.15, 0.15, 0.15, 0.15])
+    assert [weight for _, weight in others] == pytest.approx([0.15, 0.15, 0.2, 0.2])
+
+
+def test_versions_are_judged_by_the_first_and_the_latest_best_and_by_bots(whole: League) -> None:
+    assert whole.specs(2)[0].panels["blue"] == [
+        str(whole.kept(0)["red"][0].folder),
+        str(whole.kept(1)["red"][0].folder),
+        "MA1",
+        "MA2",
+    ]
+    assert len(whole.panel(1, "blue")) == 3  # the first best is the latest
+
+
+def test_the_learning_rate_falls_from_iteration_to_iteration(whole: League) -> None:
+    rates = [whole.learner(4, k)["learning_rate"] for k in (1, 2, 3)]
+
+    assert rates == pytest.approx([1e-3, 1e-3 * whole.settings.cooling, 1e-3 * whole.settings.cooling**2])
 
 
 def test_the_best_average_win_rate_is_kept(whole: League) -> None:
@@ -107,7 +123,9 @@ def test_a_league_that_was_broken_off_ends_as_an_unbroken_one(
     if lost == "a group":  # then what comes after it was not there yet
         shutil.rmtree(league.iteration(2))
         (league.iteration(1) / "table.json").unlink()
-        (league.iteration(1) / "groups" / ".new-left-over").mkdir()
+        left_over = league.iteration(1) / "groups" / ".new-left-over"
+        left_over.mkdir()
+        (left_over / "config.json").touch()
     BREAKS[lost](league)
     league.run()
 

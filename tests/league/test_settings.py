@@ -17,7 +17,14 @@ WRONG: dict[str, tuple[dict[str, Any], str]] = {
     "not a number": ({"past_share": float("nan")}, r"past_share must be in 0\.\.1"),
     "shares above one": ({"partner_share": 0.7, "past_share": 0.6}, "must add up to at most 1"),
     "too many games at once": ({"n_envs": 10**9}, "n_envs must be at most 1024"),
-    "a replay of terabytes": ({"learner": {"buffer_size": 10**12}}, "buffer_size must be at most 1000000"),
+    "a replay of terabytes": (
+        {"learner": {"buffer_size": 10**12}},
+        "buffer_size of the learner must be at most 1000000",
+    ),
+    "an update of terabytes": (
+        {"learner": {"batch_size": 10**12}},
+        "batch_size of the learner must be at most 65536",
+    ),
     "a file of the learner": (
         {"learner": {"tensorboard_log": "/etc"}},
         "unknown argument of the learner 'tensorboard_log'",
@@ -26,6 +33,11 @@ WRONG: dict[str, tuple[dict[str, Any], str]] = {
     "a text for a share": ({"past_share": "all"}, "past_share must be a number, got 'all'"),
     "a bot that is none": ({"bots": (7,)}, "scenario and bots are names"),
     "a rest for nobody": ({"bots": ()}, "without bots"),
+    "a learning rate that grows": ({"cooling": 1.5}, r"cooling must be in 0\.\.1"),
+    "a text for a learning rate": (
+        {"learner": {"learning_rate": "fast"}},
+        "learning_rate of the learner must be a number",
+    ),
 }
 
 

@@ -1,0 +1,54 @@
+"""What jobs cost."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from time import sleep
+
+import pytest
+
+from hexwar_sb3.league.cost import FILE, added, measured, read_cost
+
+
+def test_parts_add_up_and_others_stay(tmp_path: Path) -> None:
+    for _ in range(2):
+        with measured(tmp_path, "groups", jobs=2):
+            sleep(0.1)
+    with measured(tmp_path, "matches"):
+        sleep(0.1)
+
+    found = read_cost(tmp_path)
+    assert found["groups"]["wall_s"] >= 0.2
+    assert found["groups"]["core_s"] == pytest.approx(2 * found["groups"]["wall_s"], abs=0.2)
+    assert found["matches"]["core_s"] < found["matches"]["wall_s"]  # it slept
+    assert found["matches"]["peak_mb"] > 0
+
+
+def test_what_breaks_off_has_cost_all_the_same(tmp_path: Path) -> None:
+    def broken_off() -> None:
+        with measured(tmp_path, "groups", jobs=4):
+            sleep(0.1)
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        broken_off()
+
+    assert read_cost(tmp_path)["groups"]["core_s"] >= 0.4
+
+
+@pytest.mark.parametrize("text", ["", "{", "7"])
+def test_a_broken_file_says_nothing(text: str, tmp_path: Path) -> None:
+    (tmp_path / FILE).write_text(text)
+
+    assert read_cost(tmp_path) == {}
+
+
+def test_costs_of_folders_add_up_part_by_part() -> None:
+    one = {"groups": {"wall_s": 1.0, "core_s": 2.0, "peak_mb": 9.0}}
+    other = {"groups": {"wall_s": 2.0, "core_s": 4.0, "peak_mb": 5.0}, "heirs": {"wall_s": 7.0}}
+
+    assert added([one, other, {}]) == {
+        "groups": {"wall_s": 3.0, "core_s": 6.0, "peak_mb": 9.0},
+        "heirs": {"wall_s": 7.0},
+    }
+    assert one["groups"]["wall_s"] == 1.0
