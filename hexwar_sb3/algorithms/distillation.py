@@ -100,7 +100,7 @@ def learn_from(
         student: its agent network learns, the mixer stays.
         updates: gradient steps; the learning rate falls to 0 over them.
         batch_size: situations of the whole camp in each.
-        tau: temperature of the teachers' choices.
+        tau: temperature of choices, in scaled points.
         learning_rate: of Adam.
         seed: of the batches.
 

@@ -29,7 +29,7 @@ class Distill:
     games: int = 400  # that each teacher plays
     epsilon: float = 0.05  # probability of a random task in these games
     updates: int = 3_000  # of the student
-    tau: float = 0.1  # temperature of the teachers' choices: small is sharp
+    tau: float = 0.1  # temperature of choices: small is sharp
     seed: Seed = 0
     json: Json = False
 

@@ -62,9 +62,7 @@ class TaskGames:
         self.camps = np.zeros(n_games, np.int64)  # the learner's [n]
         self.episodes = np.full(n_games, -1)  # number of the episode in each slot [n]
         self.opponents = np.zeros(n_games, np.int64)  # index in the mixture [n]
-        self.rivals: list[Seat] = [
-            self.mixture.players[0]
-        ] * n_games  # who that was when the episode began [n]
+        self.rivals: list[Seat] = [self.mixture.players[0]] * n_games  # each game's own [n]
         self.demos = np.zeros(n_games, np.bool_)  # the demo bot holds the learner's seat [n]
         self._sights = self._new_sight(), self._new_sight()
         self.seed(seed)

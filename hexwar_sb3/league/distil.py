@@ -25,7 +25,7 @@ class Lessons:
     epsilon: float = 0.05  # probability of a random task in them
     updates: int = 3_000  # of the student's agent network
     batch_size: int = 128  # situations of the camp
-    tau: float = 0.1  # temperature of the teachers' choices, in scaled points
+    tau: float = 0.1  # temperature of choices, in scaled points
     learning_rate: float = 1e-3  # falls to 0
 
     def __post_init__(self) -> None:

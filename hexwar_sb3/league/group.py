@@ -25,22 +25,28 @@ Opponents = Sequence[tuple[object, float]]  # player, weight
 
 
 @dataclass(frozen=True, kw_only=True)
-class GroupSpec:
-    """All that the training of a group depends on."""
+class TrainingSpec:
+    """What every training of a league depends on, and the folder that it leaves."""
+
+    games: int  # that a model learns from
+    rounds: int  # parts of them; after each a version is judged
+    refit_games: int  # before them, in which the mixer alone learns: it is new, and the replay is empty
+    trial: Terms  # of a version's games against each of its panel
+    seed: tuple[int, ...]  # numbers that name the training
+    folder: Path  # gets the policies
+    env: Mapping[str, Any]  # settings of the task env
+    learner: Mapping[str, Any]  # arguments of QMIX
+    about: Mapping[str, str]  # texts for the policies' folders
+
+
+@dataclass(frozen=True, kw_only=True)
+class GroupSpec(TrainingSpec):
+    """All that the training of a group depends on: in each round first red and then blue learns; leaves red/ and blue/."""
 
     members: Mapping[str, Member]  # by camp: who trains
     others: Mapping[str, Opponents]  # by camp: whom the model of that camp meets beside its partner
     partner_share: float  # of the games, against the partner as it is now
-    games: int  # that each of the two learns from
-    rounds: int  # parts of them: in each, first red and then blue learns, against the other as it then is
-    refit_games: int  # before them, in which the mixer alone learns: it is new, and the replay is empty
-    panels: Mapping[str, Sequence[object]]  # by camp: whom its versions, one a round, are judged against
-    trial: Terms  # of the games against each of a panel
-    seed: tuple[int, ...]  # of the league, iteration, group
-    folder: Path  # gets red/ and blue/
-    env: Mapping[str, Any]  # settings of the task env
-    learner: Mapping[str, Any]  # arguments of QMIX
-    about: Mapping[str, str]  # texts for the policies' folders
+    panels: Mapping[str, Sequence[object]]  # by camp: whom its versions are judged against
 
     @property
     def steps(self) -> int:

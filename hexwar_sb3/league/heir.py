@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
-from typing import Any
 
 from stable_baselines3.common.callbacks import ConvertCallback, EveryNTimesteps
 
 from hexwar_sb3.algorithms.qmix import QMIX
 from hexwar_sb3.envs.registration import make_vec_env
-from hexwar_sb3.evaluation.panel import Terms
 from hexwar_sb3.evaluation.seeds import Purpose, seed_for
 from hexwar_sb3.league.cost import measured
 from hexwar_sb3.league.distil import Lessons, distill
-from hexwar_sb3.league.group import Opponents, env_steps, job_seed, one_thread
+from hexwar_sb3.league.group import Opponents, TrainingSpec, env_steps, job_seed, one_thread
 from hexwar_sb3.league.judge import Judge
 from hexwar_sb3.league.member import CAMPS, Member, as_member, making
 
@@ -23,23 +20,14 @@ DISTILLED, LEARNED = "distilled", "learned"  # folders of the two stages
 
 
 @dataclass(frozen=True, kw_only=True)
-class HeirSpec:
-    """All that the making of an heir depends on."""
+class HeirSpec(TrainingSpec):
+    """All that the making of an heir depends on; leaves distilled/ and learned/."""
 
     camp: str
     teachers: tuple[Member, ...]
     opponents: Opponents
     lessons: Lessons
-    games: int  # in which the student learns on
-    refit_games: int  # before them, in which its mixer alone learns
-    rounds: int  # parts of its games; after each a version is judged
-    panel: Sequence[object]  # against these
-    trial: Terms  # in games on these terms
-    seed: tuple[int, ...]
-    folder: Path  # gets distilled/ and learned/
-    env: Mapping[str, Any]  # settings of the task env
-    learner: Mapping[str, Any]  # arguments of QMIX
-    about: Mapping[str, str]  # texts for the policies' folders
+    panel: Sequence[object]  # whom its versions are judged against
 
 
 def make_heir(spec: HeirSpec) -> None:

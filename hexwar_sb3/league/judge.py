@@ -23,7 +23,7 @@ class Judge:
     terms: Terms  # of the games against each of them
     about: Mapping[str, str]  # texts for the policies
     best: FrozenPolicy | None = None
-    win_rate: float = -1.0  # of the best, over all its games
+    win_rate: float = -1.0  # of the best, over all its games, 0..1
 
     def see(self, model: QMIX) -> None:
         """Let what the model is now play, as the mean of its last updates."""

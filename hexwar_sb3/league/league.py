@@ -245,7 +245,8 @@ class League:
     def learner(self, games: int, k: int) -> dict[str, Any]:
         """Arguments of QMIX for so many games of iteration k."""
         settings = self.settings
-        given = {"exploration_episodes": max(1, int(EXPLORING_SHARE * games)), **settings.learner}
+        exploring = max(1, int(EXPLORING_SHARE * (settings.refit_games + games)))
+        given = {"exploration_episodes": exploring, **settings.learner}
         rate = given.get("learning_rate", LEARNER["learning_rate"]) * settings.cooling ** (k - 1)
         return {**given, "learning_rate": rate}
 

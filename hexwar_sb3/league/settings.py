@@ -17,7 +17,7 @@ LEARNER: dict[str, Any] = {
     "exploration_initial_eps": 0.05,
     "exploration_final_eps": 0.01,
 }
-"""Arguments of QMIX for a model that learns on; epsilon falls over the first 40 % of its games."""
+"""Arguments of QMIX for a model that learns on; epsilon falls over the first 40 % of its games, with those of the refit."""
 
 EXPLORING_SHARE = 0.4
 LEARNS_BY = (

@@ -9,8 +9,10 @@ import pytest
 
 from hexwar_sb3.algorithms.qmix import QMIX
 from hexwar_sb3.cli import main
+from hexwar_sb3.commands.selfplay import SelfPlay
 from hexwar_sb3.envs.registration import make_vec_env
 from hexwar_sb3.league.member import as_member
+from hexwar_sb3.league.settings import LeagueSettings
 from hexwar_sb3.play.frozen import FrozenPolicy
 
 FEW = (
@@ -89,3 +91,19 @@ def test_a_mistake_is_one_line(what: str, tmp_path: Path, capsys: pytest.Capture
     assert message in said
     assert said.count("\n") == 1
     assert not (tmp_path / "out").exists()
+
+
+def test_the_command_has_the_leagues_own_defaults() -> None:
+    own, mine = vars(LeagueSettings()), vars(SelfPlay())
+    shared = own.keys() & mine.keys()
+
+    assert shared >= {
+        "iterations",
+        "games",
+        "trial_games",
+        "match_games",
+        "partner_share",
+        "past_share",
+        "bots",
+    }
+    assert {name: mine[name] for name in shared} == {name: own[name] for name in shared}

@@ -65,6 +65,12 @@ def test_the_learning_rate_falls_from_iteration_to_iteration(whole: League) -> N
     assert rates == pytest.approx([1e-3, 1e-3 * whole.settings.cooling, 1e-3 * whole.settings.cooling**2])
 
 
+def test_random_tasks_grow_rare_over_the_first_games_with_those_of_the_refit(whole: League) -> None:
+    league = League(whole.folder, replace(whole.settings, refit_games=200))
+
+    assert league.learner(800, 1)["exploration_episodes"] == 400
+
+
 def test_the_best_average_win_rate_is_kept(whole: League) -> None:
     found = json.loads((whole.iteration(2) / "table.json").read_text())
     rates: dict[str, list[float]] = {}
