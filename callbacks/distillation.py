@@ -23,7 +23,7 @@ class DistillationCallback(BaseCallback):
     The teachers play the games of the model's env settings: its side, opponents and scenario.
 
     Args:
-        teachers: policies of the same sizes, or their folders.
+        teachers: policies of any widths, or their folders.
         lessons: how the model is taught.
         refit_games: games in which the mixer alone learns after it, so that the model's values fit its new choices.
 

@@ -31,7 +31,7 @@ class GroupedSelfPlayCallback(BaseCallback):
 
     Args:
         folder: of the league.
-        settings: of the league; the scenario must be the env's.
+        settings: of the league; the scenario must be the env's, the widths the model's.
         starters: further models to begin with, policy folders by name.
         jobs: groups, then matches, side by side: processes of joblib.
 
@@ -58,6 +58,11 @@ class GroupedSelfPlayCallback(BaseCallback):
         played = cast("TaskSettings", cast("VecEnv", model.get_env()).get_attr("games")[0].settings)
         if played.scenario != self.settings.scenario:
             raise ConfigError(f"the league plays {self.settings.scenario}, the model's env {played.scenario}")
+        widths = {"hidden": self.settings.hidden, "embed": self.settings.embed}
+        if model.policy.sizes != widths:
+            raise ConfigError(
+                f"the league's models have {widths}, the model {model.policy.sizes}: make them alike"
+            )
         own = self.folder / "learner"
         if not (own / "config.json").exists():
             terms = Terms(

@@ -137,31 +137,32 @@ class TaskPolicy(BasePolicy):
         sizes = {"n_pieces": self.shapes.n_pieces, "n_tasks": self.shapes.n_tasks}
         return FrozenPolicy(weights, **sizes, about=about, lower=self.lower)
 
-    def agent_of(self, policy: FrozenPolicy) -> TaskNetwork:
-        """Agent network like this one's with the weights of a frozen policy.
+    def agent_of(self, policy: FrozenPolicy) -> AgentNetwork:
+        """Agent network with the weights of a frozen policy, of the policy's own widths.
 
         Raises:
-            ConfigError: it has other layers or sizes.
+            ConfigError: it takes other features.
         """
-        agent = self._make_agent().to(self.device)
+        weights = {name: torch.from_numpy(array.copy()) for name, array in policy.weights.items()}
+        widths = {"hidden": len(weights["piece.weight"]), "embed": len(weights["embed.weight"])}
+        agent = AgentNetwork(self.shapes.obs_dim, self.shapes.task_dim, **widths).to(self.device)
         for name, tensor in agent.state_dict().items():
-            found = policy.weights[name].shape if name in policy.weights else "no such layer"
-            if found != tuple(tensor.shape):
-                raise ConfigError(f"{name}: the policy has {found}, this model {tuple(tensor.shape)}")
-        agent.load_state_dict(
-            {name: torch.from_numpy(array.copy()) for name, array in policy.weights.items()}
-        )
+            if weights[name].shape != tensor.shape:
+                raise ConfigError(_misfit(name, weights[name], tensor))
+        agent.load_state_dict(weights)
         return agent
 
     def take_over(self, policy: FrozenPolicy) -> None:
-        """Take over the agent network of a frozen policy of the same sizes; the mixer stays.
+        """Take over the agent network of a frozen policy; the mixer stays.
+
+        A narrower network is widened: its values stay, and units that are new count for nothing until they learn.
 
         Raises:
-            ConfigError: the sizes are others.
+            ConfigError: it takes other features, or is wider than this one.
         """
         frozen = self.agent_of(policy).state_dict()
-        for agent in (self.agent, self.agent_target):
-            agent.load_state_dict(frozen)
+        self.agent.load_state_dict(_widened(frozen, self.agent.state_dict()))
+        self.agent_target.load_state_dict(self.agent.state_dict())
 
     def _get_constructor_parameters(self) -> dict[str, Any]:
         return {
@@ -176,3 +177,23 @@ class TaskPolicy(BasePolicy):
             "optimizer_class": self.optimizer_class,
             "optimizer_kwargs": self.optimizer_kwargs,
         }
+
+
+def _widened(narrow: Mapping[str, Tensor], wide: Mapping[str, Tensor]) -> dict[str, Tensor]:
+    """Weights of a wider network that computes the same: old units hear nothing from those that are new.
+
+    Raises:
+        ConfigError: a layer of `narrow` is the wider one, or is missing in `wide`.
+    """
+    widened = {name: tensor.clone() for name, tensor in wide.items()}
+    for name, tensor in narrow.items():
+        if name not in wide or any(a > b for a, b in zip(tensor.shape, wide[name].shape, strict=True)):
+            raise ConfigError(_misfit(name, tensor, wide.get(name)))
+        widened[name][: len(tensor)] = 0.0
+        widened[name][tuple(slice(size) for size in tensor.shape)] = tensor
+    return widened
+
+
+def _misfit(name: str, found: Tensor, expected: Tensor | None) -> str:
+    size = "no such layer" if expected is None else tuple(expected.shape)
+    return f"{name}: the policy has {tuple(found.shape)}, this model {size}"

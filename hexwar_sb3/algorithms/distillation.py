@@ -36,7 +36,7 @@ def teach(
 
     Args:
         teacher: its tasks are played.
-        student: of the same sizes.
+        student: of any widths.
         env: a task env, whose pieces the teacher's lower level leads.
         steps: env steps of all games together.
         epsilon: probability of a random task, for each piece: the student must know what to do there, too.

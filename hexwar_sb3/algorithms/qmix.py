@@ -319,12 +319,12 @@ class QMIX(PlainZipAlgorithm):
         """Take over what `snapshot` gave."""
 
     def take_over(self, policy: FrozenPolicy) -> None:
-        """Go on from a frozen policy of the same sizes; its lower level leads the pieces of this model's env from now on.
+        """Go on from a frozen policy; its lower level leads the pieces of this model's env from now on.
 
         The mixer stays as it is: `refit_mixer` lets it learn what the new values come to.
 
         Raises:
-            ConfigError: the sizes are others.
+            ConfigError: it takes other features, or its network is wider than this one's.
         """
         self.policy.take_over(policy)
         self.lead_with(policy.lower)

@@ -45,7 +45,7 @@ class Table1:
 
     places: Places
     seeds: tuple[int, ...] = (0, 1, 2, 3)  # of the warm-ups
-    settings: LeagueSettings = field(default_factory=LeagueSettings)
+    settings: LeagueSettings = field(default_factory=lambda: LeagueSettings(hidden=128))
     lessons: Lessons = field(default_factory=Lessons)
     heir_games: int = 6_000  # in which CAI learns on
     heir_rounds: int = 12  # parts of them; after each a version is judged

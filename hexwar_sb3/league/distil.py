@@ -48,9 +48,9 @@ def distill(
     """Teach a model what several policies do; its mixer stays (`QMIX.refit_mixer` fits it again).
 
     Args:
-        teachers: of the same sizes; the pieces of each are led by its own lower level, those of the student by
+        teachers: of any widths; the pieces of each are led by its own lower level, those of the student by
             the first one's.
-        student: a model of the same sizes.
+        student: the model that learns.
         env: settings of the games that the teachers play: side, opponent, scenario and so on.
         lessons: how.
         seed: in 0..999999.

@@ -28,6 +28,7 @@ from hexwar_sb3.league.group import GroupSpec, Opponents, env_settings, job_seed
 from hexwar_sb3.league.member import CAMPS, Member, clear_unfinished
 from hexwar_sb3.league.selection import play_all, select, standings
 from hexwar_sb3.league.settings import EXPLORING_SHARE, LEARNER, LeagueSettings
+from hexwar_sb3.play.frozen import FrozenPolicy
 from hexwar_sb3.play.player import make_player
 
 FORMAT = "hexwar league 1"
@@ -79,27 +80,18 @@ class League:
             starters: policy folders by name; one that was trained in both colours is in both.
 
         Raises:
-            ConfigError: there is a league of other settings, a colour has no starter, or the starters differ in
-                decision ticks, hot spots or decision points.
+            ConfigError: there is a league of other settings, a colour has no starter, one is wider than the league's
+                models, or the starters differ in decision ticks, hot spots or decision points.
             UnknownNameError: no such bot or scenario.
             PolicyFileError: a starter is broken.
         """
         if (folder / "league.json").exists():
             return cls.open(folder).prolonged(settings)
         policies = {name: Member("", name, path).policy() for name, path in starters.items()}
-        for name in policies:
-            if not NAME.fullmatch(name):
-                raise ConfigError(f"a model's name is of letters, digits, '.', - and _, got {name!r}")
-        for camp in CAMPS:
-            if not any(policy.about.get("side", "both") in (camp, "both") for policy in policies.values()):
-                raise ConfigError(f"no model to begin with for {camp}")
+        _check_starters(policies, settings)
         load_world(settings.scenario)
         for bot in settings.bots:
             make_player(bot)
-        ways = {name: {**trained_terms(policy), "scenario": ""} for name, policy in policies.items()}
-        for name, way in ways.items():
-            if way != (first := next(iter(ways.values()))):
-                raise ConfigError(f"{name} was trained with {way}, others with {first}: they cannot meet")
         league = cls(folder, settings)
         for name, policy in policies.items():
             policy.save(league._starters / name)
@@ -248,14 +240,19 @@ class League:
         exploring = max(1, int(EXPLORING_SHARE * (settings.refit_games + games)))
         given = {"exploration_episodes": exploring, **settings.learner}
         rate = given.get("learning_rate", LEARNER["learning_rate"]) * settings.cooling ** (k - 1)
-        return {**given, "learning_rate": rate}
+        widths = {"hidden": settings.hidden, "embed": settings.embed}
+        return {**given, "learning_rate": rate, "policy_kwargs": widths}
 
     def others(self, k: int, camp: str) -> Opponents:
-        """Whom models of a colour meet beside their partners: the best of all iterations before, and bots."""
+        """Whom models of a colour meet beside their partners: the best of the iterations before, and bots.
+
+        Half of the past is the very first best, so that progress has a fixed measure.
+        """
         settings = self.settings
-        past: list[object] = [str(member.folder) for member in self._best_before(k, camp)]
+        first, *later = (str(member.folder) for member in self._best_before(k, camp))
+        half = settings.past_share / (2 if later else 1)
         bots_share = 1.0 - settings.partner_share - settings.past_share
-        shares = ((past, settings.past_share), (list(settings.bots), bots_share))
+        shares = (([first], half), (later, settings.past_share - half), (settings.bots, bots_share))
         return [
             (player, share / len(players)) for players, share in shares for player in players if share > 0
         ]
@@ -373,3 +370,25 @@ def write_json(path: Path, values: Mapping[str, Any]) -> None:
 def _difference(mine: LeagueSettings, other: LeagueSettings) -> str:
     pairs = ((name, value, getattr(other, name)) for name, value in asdict(mine).items())
     return ", ".join(f"{name} {a}, not {b}" for name, a, b in pairs if a != b)
+
+
+def _check_starters(policies: Mapping[str, FrozenPolicy], settings: LeagueSettings) -> None:
+    """Both colours have a model, all can meet, and none is wider than the models that learn on from them.
+
+    Raises:
+        ConfigError: it is not so.
+    """
+    for name, policy in policies.items():
+        if not NAME.fullmatch(name):
+            raise ConfigError(f"a model's name is of letters, digits, '.', - and _, got {name!r}")
+        widths = {"hidden": len(policy.weights["piece.weight"]), "embed": len(policy.weights["embed.weight"])}
+        if widths["hidden"] > settings.hidden or widths["embed"] > settings.embed:
+            most = {"hidden": settings.hidden, "embed": settings.embed}
+            raise ConfigError(f"{name} is wider than the league's models: {widths}, not {most}")
+    for camp in CAMPS:
+        if not any(policy.about.get("side", "both") in (camp, "both") for policy in policies.values()):
+            raise ConfigError(f"no model to begin with for {camp}")
+    ways = {name: {**trained_terms(policy), "scenario": ""} for name, policy in policies.items()}
+    for name, way in ways.items():
+        if way != (first := next(iter(ways.values()))):
+            raise ConfigError(f"{name} was trained with {way}, others with {first}: they cannot meet")

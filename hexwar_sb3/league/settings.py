@@ -10,16 +10,17 @@ from hexwar_sb3.envs.settings import check_share
 from hexwar_sb3.errors import ConfigError, UnknownNameError
 
 LEARNER: dict[str, Any] = {
-    "learning_rate": 2e-4,  # of the first iteration
+    "learning_rate": 8e-4,  # of the first iteration
     "learning_starts": 0,
-    "tau": 0.003,  # a model plays as the mean of its last updates
-    "buffer_size": 24_000,  # a group's games
-    "exploration_initial_eps": 0.05,
-    "exploration_final_eps": 0.01,
+    "tau": 0.005,  # a model plays as the mean of its last updates
+    "buffer_size": 17_000,  # a group's games
+    "stickiness": 0.97,  # a random task lasts for most of a game
+    "exploration_initial_eps": 0.01,
+    "exploration_final_eps": 0.002,
 }
-"""Arguments of QMIX for a model that learns on; epsilon falls over the first 40 % of its games, with those of the refit."""
+"""Arguments of QMIX for a model that learns on; epsilon falls over the first 60 % of its games, with those of the refit."""
 
-EXPLORING_SHARE = 0.4
+EXPLORING_SHARE = 0.6
 LEARNS_BY = (
     *("learning_rate", "batch_size", "buffer_size", "learning_starts", "gradient_steps", "tau", "gamma"),
     *("mixer", "n_steps", "td_lambda", "double_q", "loss", "reward_scale", "stickiness", "max_grad_norm"),
@@ -39,6 +40,8 @@ RANGES = {
     "warm_up_games": (1, 100_000),
     "seed": (0, 999_999),
     "n_envs": (1, 1_024),
+    "hidden": (1, 1_024),
+    "embed": (1, 1_024),
 }
 
 
@@ -48,19 +51,21 @@ class LeagueSettings:
 
     iterations: int = 10
     keep: int = 4  # models of each colour that an iteration keeps; keep * keep groups train
-    games: int = 800  # that each of the two models of a group learns from
-    rounds: int = 4  # parts of them: red and blue learn in turn
-    partner_share: float = 0.3  # of these games against the partner
-    past_share: float = 0.3  # against the best of each iteration before
+    games: int = 600  # that each of the two models of a group learns from
+    rounds: int = 2  # parts of them: red and blue learn in turn
+    partner_share: float = 0.25  # of these games against the partner
+    past_share: float = 0.35  # against the best of the iterations before; half of them are the very first's
     bots: tuple[str, ...] = ("MA1", "MA2")  # the rest is theirs
-    refit_games: int = 200  # before them, in which the mixer alone learns: it is new, the replay empty
-    cooling: float = 0.85  # an iteration's learning rate, as part of that before it
+    refit_games: int = 100  # before them, in which the mixer alone learns: it is new, the replay empty
+    cooling: float = 0.75  # an iteration's learning rate, as part of that before it
     trial_games: int = 100  # of a version, one a round, against each of its panel; the best is the group's
     match_games: int = 50  # of each pairing in the round robin that selects
     warm_up_games: int = 400  # against each bot, to choose the first models
     scenario: str = "plain"
     seed: int = 0
     n_envs: int = 32
+    hidden: int = 64  # width of the agent networks; narrower ones that the league begins with are widened
+    embed: int = 32  # width of a task's embedding
     learner: dict[str, Any] = field(default_factory=lambda: dict(LEARNER))
 
     def __post_init__(self) -> None:

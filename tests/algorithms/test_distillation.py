@@ -58,10 +58,11 @@ def test_a_sharp_teacher_is_finite() -> None:
     assert loss.item() == pytest.approx(log(5.0) / 2)
 
 
-def test_a_student_comes_to_choose_as_its_teacher() -> None:
+@pytest.mark.parametrize("widths", [{}, {"hidden": 96, "embed": 40}])
+def test_a_student_of_any_widths_comes_to_choose_as_its_teacher(widths: dict[str, int]) -> None:
     env = make_vec_env(**SETTINGS)
     teacher = QMIX("TaskPolicy", env, seed=1, buffer_size=10).policy.freeze()
-    student = QMIX("TaskPolicy", env, seed=2, buffer_size=10).policy
+    student = QMIX("TaskPolicy", env, seed=2, buffer_size=10, policy_kwargs=widths).policy
     lesson = teach(teacher, student, env, steps=96, epsilon=0.2, seed=0)
     first: Any = env.reset()
     obs = {key: value.copy() for key, value in first.items()}

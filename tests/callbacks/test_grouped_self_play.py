@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -84,6 +85,10 @@ def test_both_levels_are_taken_over(tmp_path: Path) -> None:
 def test_another_map_or_model_is_refused(tmp_path: Path) -> None:
     with pytest.raises(ConfigError, match="the league plays plain, the model's env hills"):
         qmix(scenario="hills").learn(1, callback=GroupedSelfPlayCallback(tmp_path, TINY))
+    with pytest.raises(
+        ConfigError, match=r"the league's models have .*128.*, the model .*64.*: make them alike"
+    ):
+        qmix().learn(1, callback=GroupedSelfPlayCallback(tmp_path, replace(TINY, hidden=128)))
     ppo = MaskablePPO("MultiInputPolicy", make_vec_env(n_envs=2), n_steps=24, batch_size=16)
     with pytest.raises(
         ConfigError, match="grouped self-play is for QMIX and HierarchicalQMIX, got MaskablePPO"

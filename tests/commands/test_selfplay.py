@@ -105,5 +105,6 @@ def test_the_command_has_the_leagues_own_defaults() -> None:
         "partner_share",
         "past_share",
         "bots",
+        "hidden",
     }
     assert {name: mine[name] for name in shared} == {name: own[name] for name in shared}

@@ -46,7 +46,13 @@ def test_models_meet_their_partner_the_past_and_the_bots(whole: League) -> None:
         "MA1",
         "MA2",
     ]
-    assert [weight for _, weight in others] == pytest.approx([0.15, 0.15, 0.2, 0.2])
+    assert [weight for _, weight in others] == pytest.approx([0.175, 0.175, 0.2, 0.2])
+
+
+def test_half_of_the_past_is_the_very_first_best(whole: League) -> None:
+    first, second, third, *_ = (weight for _, weight in whole.others(3, "red"))
+
+    assert (first, second, third) == pytest.approx((0.175, 0.0875, 0.0875))
 
 
 def test_versions_are_judged_by_the_first_and_the_latest_best_and_by_bots(whole: League) -> None:
@@ -68,7 +74,7 @@ def test_the_learning_rate_falls_from_iteration_to_iteration(whole: League) -> N
 def test_random_tasks_grow_rare_over_the_first_games_with_those_of_the_refit(whole: League) -> None:
     league = League(whole.folder, replace(whole.settings, refit_games=200))
 
-    assert league.learner(800, 1)["exploration_episodes"] == 400
+    assert league.learner(800, 1)["exploration_episodes"] == 600
 
 
 def test_the_best_average_win_rate_is_kept(whole: League) -> None:
@@ -187,6 +193,22 @@ def test_a_bot_that_does_not_exist_leaves_no_league(
     assert not (tmp_path / "league").exists()
 
 
+def test_a_model_wider_than_the_leagues_is_refused(
+    tiny: LeagueSettings, starters: dict[str, Path], tmp_path: Path
+) -> None:
+    for narrow in (replace(tiny, hidden=8), replace(tiny, embed=8)):
+        with pytest.raises(ConfigError, match=r"one is wider than the league's models: .*64.*32"):
+            League.create(tmp_path / "league", narrow, starters)
+    assert not (tmp_path / "league").exists()
+
+
+def test_models_are_as_wide_as_the_league_says(whole: League) -> None:
+    policy = whole.models(1)["red"][0].policy()
+
+    assert policy.weights["context_set.weight"].shape == (whole.settings.hidden, whole.settings.embed)
+    assert whole.models(0)["red"][0].policy().weights["context_set.weight"].shape == (64, 32)
+
+
 def test_models_of_other_decision_ticks_cannot_meet(
     tiny: LeagueSettings, starters: dict[str, Path], tmp_path: Path
 ) -> None:
@@ -264,4 +286,6 @@ def test_what_is_kept_of_a_league_goes_on_as_the_league(
     kept.run()
 
     assert contents(kept.iteration(2)) == contents(whole.iteration(2))
-    assert len(list((tmp_path / "kept" / "iteration_01" / "groups").iterdir())) < 4
+    left = {path.relative_to(kept.folder) for path in (kept.iteration(1) / "groups").glob("*/*")}
+    members = [one for members in whole.kept(1).values() for one in members]
+    assert left == {member.folder.relative_to(whole.folder) for member in members}
