@@ -83,6 +83,7 @@ class Table1:
             say("matches of the best of each iteration")
             with measured(self.kept, "progress", self.jobs):
                 draw_league(league, self.progress(league), self.kept / "league.png")
+        league.keep(self.kept / "league", models=False)
         say("matches of the table")
         return self.measure()
 

@@ -301,8 +301,13 @@ class League:
             purpose=Purpose.SELECTION,
         )
 
-    def keep(self, folder: Path) -> None:
-        """Copy what it takes to go on: tables, the best of each iteration, and all that the last one kept."""
+    def keep(self, folder: Path, *, models: bool = True) -> None:
+        """Copy what it takes to go on: tables, the best of each iteration, and all that the last one kept.
+
+        Args:
+            folder: of the copy; what is there is replaced.
+            models: False if the league is over, and tables and the models that it began with are all that is wanted.
+        """
         done = [k for k in range(self.settings.iterations + 1) if self.is_done(k)]
         new = folder.with_name(f".new-{folder.name}")
         shutil.rmtree(new, ignore_errors=True)
@@ -313,7 +318,7 @@ class League:
             (new / place).mkdir()
             for file in self.iteration(k).glob("*.json"):
                 shutil.copyfile(file, new / place / file.name)
-            for members in self.kept(k).values():
+            for members in self.kept(k).values() if models or k == 0 else ():
                 for member in members if k in (0, done[-1]) else members[:1]:
                     member.policy().save(new / member.folder.relative_to(self.folder))
         shutil.rmtree(folder, ignore_errors=True)

@@ -97,6 +97,8 @@ def test_the_pipeline_goes_from_warm_ups_to_the_table(pipeline: Table1) -> None:
     assert pipeline.states()["iterations of the league"] == "1 of 1"
     assert said[-1] == "matches of the table"
     assert (pipeline.kept / "league.png").stat().st_size > 10_000
+    assert (pipeline.kept / "league" / "iteration_01" / "table.json").exists()
+    assert not list((pipeline.kept / "league").glob("*/groups"))  # small files only
 
 
 def test_what_is_committed_is_enough_to_go_on(pipeline: Table1) -> None:
