@@ -31,7 +31,6 @@ NAME = "table1"
 ROWS = ("HRL0", "HRL1", "HRL2", "CAI")
 UNSEEN = ("nearest", "defender", *CONSTANT_PLANS)  # bots that nothing was trained or selected against
 COLUMNS = (*BOTS, "HRL0", "HRL1", *UNSEEN)
-DISTILLED_ROW = "CAI, distilled only"
 WARM_UPS = 10_000  # games
 HEIR = {"learning_rate": 5e-4, "final_learning_rate": 2e-5, "buffer_size": 60_000}
 """Arguments of QMIX for CAI, where they differ from those of the league's first iteration."""
@@ -190,7 +189,7 @@ class Table1:
     def players(self, camp: str) -> dict[str, object]:
         """Players of a camp, by the name of their row or column."""
         policies = {name: self.policy(name, camp) for name in (*ROWS, DISTILLED)}
-        return {**policies, **{bot: bot for bot in (*BOTS, *UNSEEN, *CONSTANT_PLANS)}}
+        return {**policies, **{bot: bot for bot in (*BOTS, *UNSEEN)}}
 
     def meetings(self) -> list[Meeting]:
         """Every row against every column, in both colours."""
