@@ -318,15 +318,18 @@ class QMIX(PlainZipAlgorithm):
     def restore(self, parts: Mapping[str, NDArray[Any]]) -> None:
         """Take over what `snapshot` gave."""
 
-    def take_over(self, policy: FrozenPolicy) -> None:
+    def take_over(self, policy: FrozenPolicy, mixer: Mapping[str, NDArray[Any]] | None = None) -> None:
         """Go on from a frozen policy; its lower level leads the pieces of this model's env from now on.
 
-        The mixer stays as it is: `refit_mixer` lets it learn what the new values come to.
+        Args:
+            policy: what the agents become; a narrower network is widened.
+            mixer: `policy.settled_mixer()` of the model that it was frozen from. Without it the mixer stays as it is,
+                and `refit_mixer` lets it learn what the new values come to.
 
         Raises:
-            ConfigError: it takes other features, or its network is wider than this one's.
+            ConfigError: it takes other features, its network is wider than this one's, or the mixer is another one.
         """
-        self.policy.take_over(policy)
+        self.policy.take_over(policy, mixer)
         self.lead_with(policy.lower)
 
     def lead_with(self, lower: Lower) -> None:
@@ -371,7 +374,8 @@ class QMIX(PlainZipAlgorithm):
                 target = self.learner.lambda_target(batch, reward, next_value)
             q_total = self.learner.q_total(batch)
             loss = self.learner.mean_loss(batch, q_total, target)
-            (loss * (size / batch_size)).backward()  # type: ignore[no-untyped-call]
+            if loss.requires_grad:  # not where a mixer without weights is refitted
+                (loss * (size / batch_size)).backward()  # type: ignore[no-untyped-call]
         self._n_updates += 1
         self.learner.step(self._n_updates)
         return loss.item(), q_total.mean().item()

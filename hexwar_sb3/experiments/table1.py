@@ -23,16 +23,20 @@ from hexwar_sb3.league.cost import Cost, added, measured, read_cost
 from hexwar_sb3.league.distil import Lessons
 from hexwar_sb3.league.heir import DISTILLED, LEARNED, HeirSpec, make_heir
 from hexwar_sb3.league.league import League, read_json
-from hexwar_sb3.league.member import CAMPS
+from hexwar_sb3.league.member import CAMPS, Member, making
 from hexwar_sb3.league.picture import draw_league
 from hexwar_sb3.league.settings import LeagueSettings
 
 NAME = "table1"
 ROWS = ("HRL0", "HRL1", "HRL2", "CAI")
-UNSEEN = ("nearest", "defender", *CONSTANT_PLANS)  # bots that nothing was trained or selected against
-COLUMNS = (*BOTS, "HRL0", "HRL1", *UNSEEN)
+PLAYERS = (
+    "nearest",
+    "defender",
+    *CONSTANT_PLANS,
+)  # nothing was trained or selected against them, all-main apart
+COLUMNS = (*BOTS, "HRL0", "HRL1", *PLAYERS)
 WARM_UPS = 10_000  # games
-HEIR = {"learning_rate": 5e-4, "final_learning_rate": 2e-5, "buffer_size": 60_000}
+HEIR = {"learning_rate": 1e-3, "final_learning_rate": 2e-5, "buffer_size": 60_000}
 """Arguments of QMIX for CAI, where they differ from those of the league's first iteration."""
 
 Say = Callable[[str], object]
@@ -46,7 +50,7 @@ class Table1:
     seeds: tuple[int, ...] = (0, 1, 2, 3)  # of the warm-ups
     settings: LeagueSettings = field(default_factory=lambda: LeagueSettings(hidden=128))
     lessons: Lessons = field(default_factory=Lessons)
-    heir_games: int = 6_000  # in which CAI learns on
+    heir_games: int = 12_000  # in which CAI learns on
     heir_rounds: int = 12  # parts of them; after each a version is judged
     games: int = 2_000  # a cell
     progress_games: int = 400  # a colour and opponent, for each point of the league's picture
@@ -126,7 +130,7 @@ class Table1:
                     opponents=[*latest, *others],
                     lessons=self.lessons,
                     games=self.heir_games,
-                    refit_games=settings.refit_games,
+                    refit_games=settings.first_refit_games,
                     rounds=self.heir_rounds,
                     panel=league.panel(settings.iterations + 1, camp),
                     trial=league.terms(settings.iterations + 1, settings.trial_games),
@@ -171,16 +175,17 @@ class Table1:
         for camp in CAMPS:
             heir = self.work / "heirs" / camp
             found = {
-                "HRL0": first[camp][0].folder,
-                "HRL1": last[camp][0].folder,
-                "HRL2": last[camp][1].folder,
-                DISTILLED: heir / DISTILLED,
-                "CAI": heir / LEARNED,
+                "HRL0": first[camp][0],
+                "HRL1": last[camp][0],
+                "HRL2": last[camp][1],
+                DISTILLED: Member(camp, DISTILLED, heir / DISTILLED),
+                "CAI": Member(camp, LEARNED, heir / LEARNED),
             }
-            for name, folder in found.items():
+            for name, member in found.items():
                 target = self.policy(name, camp)
                 if not target.exists():
-                    shutil.copytree(folder, target)
+                    with making(target) as made:
+                        member.policy().save(made)
 
     def policy(self, name: str, camp: str) -> Path:
         """Committed folder of a policy of the table."""
@@ -189,7 +194,7 @@ class Table1:
     def players(self, camp: str) -> dict[str, object]:
         """Players of a camp, by the name of their row or column."""
         policies = {name: self.policy(name, camp) for name in (*ROWS, DISTILLED)}
-        return {**policies, **{bot: bot for bot in (*BOTS, *UNSEEN)}}
+        return {**policies, **{bot: bot for bot in (*BOTS, *PLAYERS)}}
 
     def meetings(self) -> list[Meeting]:
         """Every row against every column, in both colours."""

@@ -19,7 +19,7 @@ from typing import Any
 from hexwar_sb3.engine.world import load_world
 from hexwar_sb3.errors import ConfigError, FileFormatError
 from hexwar_sb3.evaluation.jobs import run_jobs
-from hexwar_sb3.evaluation.panel import Terms, trained_terms
+from hexwar_sb3.evaluation.panel import BOTS, Terms, trained_terms
 from hexwar_sb3.evaluation.provenance import provenance
 from hexwar_sb3.evaluation.seeds import Purpose
 from hexwar_sb3.files import replacing
@@ -197,7 +197,7 @@ class League:
         if self.is_done(0):
             return
         rows, kept, terms = {}, {}, self.terms(0, self.settings.warm_up_games)
-        bots: dict[str, object] = {bot: bot for bot in self.settings.bots or ("MA1", "MA2")}
+        bots: dict[str, object] = {bot: bot for bot in BOTS}
         for camp in CAMPS:
             models: dict[str, object] = {member.name: member.folder for member in self.starters(camp)}
             red, blue = (models, bots) if camp == "red" else (bots, models)
@@ -221,7 +221,7 @@ class League:
                 partner_share=settings.partner_share,
                 games=settings.games,
                 rounds=settings.rounds,
-                refit_games=settings.refit_games,
+                refit_games=settings.first_refit_games if k == 1 else settings.refit_games,
                 panels=panels,
                 trial=self.terms(k, settings.trial_games),
                 seed=(settings.seed, k, i, j),
@@ -320,7 +320,11 @@ class League:
                 shutil.copyfile(file, new / place / file.name)
             for members in self.kept(k).values() if models or k == 0 else ():
                 for member in members if k in (0, done[-1]) else members[:1]:
-                    member.policy().save(new / member.folder.relative_to(self.folder))
+                    target = new / member.folder.relative_to(self.folder)
+                    if k == done[-1]:
+                        member.save_to(target)
+                    else:
+                        member.policy().save(target)
         shutil.rmtree(folder, ignore_errors=True)
         new.rename(folder)
 

@@ -10,7 +10,7 @@ from hexwar_sb3.envs.settings import check_share
 from hexwar_sb3.errors import ConfigError, UnknownNameError
 
 LEARNER: dict[str, Any] = {
-    "learning_rate": 8e-4,  # of the first iteration
+    "learning_rate": 1e-3,  # of the first iteration
     "learning_starts": 0,
     "tau": 0.005,  # a model plays as the mean of its last updates
     "buffer_size": 17_000,  # a group's games
@@ -35,6 +35,7 @@ RANGES = {
     "games": (1, 1_000_000),
     "rounds": (1, 1_000),
     "refit_games": (0, 100_000),
+    "first_refit_games": (0, 100_000),
     "trial_games": (1, 100_000),
     "match_games": (1, 100_000),
     "warm_up_games": (1, 100_000),
@@ -53,14 +54,15 @@ class LeagueSettings:
     keep: int = 4  # models of each colour that an iteration keeps; keep * keep groups train
     games: int = 600  # that each of the two models of a group learns from
     rounds: int = 2  # parts of them: red and blue learn in turn
-    partner_share: float = 0.25  # of these games against the partner
-    past_share: float = 0.35  # against the best of the iterations before; half of them are the very first's
-    bots: tuple[str, ...] = ("MA1", "MA2")  # the rest is theirs
-    refit_games: int = 100  # before them, in which the mixer alone learns: it is new, the replay empty
-    cooling: float = 0.75  # an iteration's learning rate, as part of that before it
+    partner_share: float = 0.2  # of these games against the partner
+    past_share: float = 0.3  # against the best of the iterations before; half of them are the very first's
+    bots: tuple[str, ...] = ("MA1", "MA2", "all-main")  # the rest is theirs
+    refit_games: int = 100  # before them, in which the mixer alone learns, and the empty replay fills
+    first_refit_games: int = 500  # in the first iteration, whose mixers are new; and of heirs
+    cooling: float = 0.85  # an iteration's learning rate, as part of that before it
     trial_games: int = 100  # of a version, one a round, against each of its panel; the best is the group's
     match_games: int = 50  # of each pairing in the round robin that selects
-    warm_up_games: int = 400  # against each bot, to choose the first models
+    warm_up_games: int = 400  # against each of MA1 and MA2, to choose the first models
     scenario: str = "plain"
     seed: int = 0
     n_envs: int = 32

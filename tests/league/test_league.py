@@ -10,12 +10,14 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from hexwar_sb3.errors import ConfigError, FileFormatError, PolicyFileError, UnknownNameError
 from hexwar_sb3.league import group
 from hexwar_sb3.league.group import train_group
 from hexwar_sb3.league.league import League, group_name, parent_of
+from hexwar_sb3.league.member import CAMPS, MIXER, MIXER_FOLDER
 from hexwar_sb3.league.settings import LeagueSettings
 from hexwar_sb3.play.frozen import FrozenPolicy
 
@@ -45,14 +47,15 @@ def test_models_meet_their_partner_the_past_and_the_bots(whole: League) -> None:
         str(whole.kept(1)["blue"][0].folder),
         "MA1",
         "MA2",
+        "all-main",
     ]
-    assert [weight for _, weight in others] == pytest.approx([0.175, 0.175, 0.2, 0.2])
+    assert [weight for _, weight in others] == pytest.approx([0.15, 0.15, *[0.5 / 3] * 3])
 
 
 def test_half_of_the_past_is_the_very_first_best(whole: League) -> None:
     first, second, third, *_ = (weight for _, weight in whole.others(3, "red"))
 
-    assert (first, second, third) == pytest.approx((0.175, 0.0875, 0.0875))
+    assert (first, second, third) == pytest.approx((0.15, 0.075, 0.075))
 
 
 def test_versions_are_judged_by_the_first_and_the_latest_best_and_by_bots(whole: League) -> None:
@@ -61,8 +64,9 @@ def test_versions_are_judged_by_the_first_and_the_latest_best_and_by_bots(whole:
         str(whole.kept(1)["red"][0].folder),
         "MA1",
         "MA2",
+        "all-main",
     ]
-    assert len(whole.panel(1, "blue")) == 3  # the first best is the latest
+    assert len(whole.panel(1, "blue")) == 4  # the first best is the latest
 
 
 def test_the_learning_rate_falls_from_iteration_to_iteration(whole: League) -> None:
@@ -75,6 +79,31 @@ def test_random_tasks_grow_rare_over_the_first_games_with_those_of_the_refit(who
     league = League(whole.folder, replace(whole.settings, refit_games=200))
 
     assert league.learner(800, 1)["exploration_episodes"] == 600
+
+
+def test_the_mixer_alone_learns_longest_where_it_is_new(whole: League) -> None:
+    assert [whole.specs(k)[0].refit_games for k in (1, 2)] == [2, 0]
+
+
+def test_children_go_on_with_the_mixer_of_their_parent(whole: League) -> None:
+    spec = whole.specs(2)[3]
+    for camp in CAMPS:
+        model, mixer = group._start(spec, camp), spec.members[camp].mixer()
+        assert mixer is not None
+        for policy in (model.policy.mixer, model.policy.mixer_target):
+            for name, tensor in policy.state_dict().items():
+                np.testing.assert_array_equal(tensor, mixer[name])
+    assert whole.specs(1)[0].members["red"].mixer() is None
+
+
+def test_a_league_of_another_mixer_is_trained(
+    tiny: LeagueSettings, starters: dict[str, Path], tmp_path: Path
+) -> None:
+    settings = replace(tiny, keep=1, learner={**tiny.learner, "mixer": "vdn"})
+    league = League.create(tmp_path, settings, starters)
+    league.run()
+
+    assert league.kept(2)["red"][0].mixer() is None  # a sum has no weights
 
 
 def test_the_best_average_win_rate_is_kept(whole: League) -> None:
@@ -272,6 +301,23 @@ def test_a_broken_model_is_named(whole: League, tmp_path: Path) -> None:
     (member.folder / "weights.safetensors").write_bytes(b"\x80\x04pickle")
     with pytest.raises(PolicyFileError, match="sha256: found other weights"):
         train_group(replace(league.specs(2)[0], folder=tmp_path / "again"))
+
+
+def test_a_broken_mixer_is_named(whole: League, tmp_path: Path) -> None:
+    shutil.copytree(whole.folder, tmp_path / "league")
+    league = League.open(tmp_path / "league")
+    mixer = dict(league.kept(1)["red"][0].mixer() or {})
+    folder = league.kept(1)["red"][0].folder / MIXER_FOLDER
+    for broken, message in (
+        (
+            {**mixer, "hyper_b1.bias": mixer["hyper_b1.bias"] * np.float32("nan")},
+            "hyper_b1.bias holds numbers",
+        ),
+        ({**mixer, "hyper_b1.bias": np.zeros(5, np.float32)}, r"hyper_b1.bias has the shape \(5,\)"),
+    ):
+        MIXER.save(folder, broken, {}, {})
+        with pytest.raises(PolicyFileError, match=message):
+            train_group(replace(league.specs(2)[0], folder=tmp_path / "again"))
 
 
 def test_what_is_kept_of_a_league_goes_on_as_the_league(
