@@ -130,11 +130,6 @@ class TaskPolicy(BasePolicy):
         """Copy the target network, a mean over the last updates (assumption A40), as `freeze` does the online one."""
         return self._freeze(self.agent_target, about)
 
-    def settled_mixer(self) -> dict[str, np.ndarray]:
-        """Weights of the target mixer, which belongs to `freeze_settled`; none for a mixer without any."""
-        state = self.mixer_target.state_dict()
-        return {name: tensor.cpu().numpy().copy() for name, tensor in state.items()}
-
     def _freeze(self, agent: TaskNetwork, about: dict[str, str]) -> FrozenPolicy:
         if not isinstance(agent, AgentNetwork):
             raise ConfigError("only the additive network can be frozen; train with network='additive'")
@@ -157,28 +152,17 @@ class TaskPolicy(BasePolicy):
         agent.load_state_dict(weights)
         return agent
 
-    def take_over(self, policy: FrozenPolicy, mixer: Mapping[str, np.ndarray] | None = None) -> None:
-        """Take over the agent network of a frozen policy, and the mixer's weights, if they are given.
+    def take_over(self, policy: FrozenPolicy) -> None:
+        """Take over the agent network of a frozen policy; the mixer stays.
 
         A narrower network is widened: its values stay, and units that are new count for nothing until they learn.
 
         Raises:
-            ConfigError: it takes other features, is wider than this one, or the mixer is another one.
+            ConfigError: it takes other features, or is wider than this one.
         """
-        if mixer is not None:
-            self._take_mixer({name: torch.from_numpy(array.copy()) for name, array in mixer.items()})
         frozen = self.agent_of(policy).state_dict()
         self.agent.load_state_dict(_widened(frozen, self.agent.state_dict()))
         self.agent_target.load_state_dict(self.agent.state_dict())
-
-    def _take_mixer(self, weights: dict[str, Tensor]) -> None:
-        own = self.mixer.state_dict()
-        for name in sorted({*own, *weights}):
-            expected, found = own.get(name), weights.get(name)
-            if expected is None or found is None or expected.shape != found.shape:
-                raise ConfigError(_misfit(name, found, expected))
-        self.mixer.load_state_dict(weights)
-        self.mixer_target.load_state_dict(weights)
 
     def _get_constructor_parameters(self) -> dict[str, Any]:
         return {
@@ -210,6 +194,6 @@ def _widened(narrow: Mapping[str, Tensor], wide: Mapping[str, Tensor]) -> dict[s
     return widened
 
 
-def _misfit(name: str, found: Tensor | None, expected: Tensor | None) -> str:
-    sizes = ("no such layer" if one is None else tuple(one.shape) for one in (found, expected))
-    return "{}: the policy has {}, this model {}".format(name, *sizes)
+def _misfit(name: str, found: Tensor, expected: Tensor | None) -> str:
+    size = "no such layer" if expected is None else tuple(expected.shape)
+    return f"{name}: the policy has {tuple(found.shape)}, this model {size}"

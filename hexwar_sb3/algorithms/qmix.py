@@ -318,18 +318,15 @@ class QMIX(PlainZipAlgorithm):
     def restore(self, parts: Mapping[str, NDArray[Any]]) -> None:
         """Take over what `snapshot` gave."""
 
-    def take_over(self, policy: FrozenPolicy, mixer: Mapping[str, NDArray[Any]] | None = None) -> None:
+    def take_over(self, policy: FrozenPolicy) -> None:
         """Go on from a frozen policy; its lower level leads the pieces of this model's env from now on.
 
-        Args:
-            policy: what the agents become; a narrower network is widened.
-            mixer: `policy.settled_mixer()` of the model that it was frozen from. Without it the mixer stays as it is,
-                and `refit_mixer` lets it learn what the new values come to.
+        The mixer stays as it is: `refit_mixer` lets it learn what the new values come to.
 
         Raises:
-            ConfigError: it takes other features, its network is wider than this one's, or the mixer is another one.
+            ConfigError: it takes other features, or its network is wider than this one's.
         """
-        self.policy.take_over(policy, mixer)
+        self.policy.take_over(policy)
         self.lead_with(policy.lower)
 
     def lead_with(self, lower: Lower) -> None:

@@ -23,7 +23,7 @@ from hexwar_sb3.league.cost import Cost, added, measured, read_cost
 from hexwar_sb3.league.distil import Lessons
 from hexwar_sb3.league.heir import DISTILLED, LEARNED, HeirSpec, make_heir
 from hexwar_sb3.league.league import League, read_json
-from hexwar_sb3.league.member import CAMPS, Member, making
+from hexwar_sb3.league.member import CAMPS
 from hexwar_sb3.league.picture import draw_league
 from hexwar_sb3.league.settings import LeagueSettings
 
@@ -130,7 +130,7 @@ class Table1:
                     opponents=[*latest, *others],
                     lessons=self.lessons,
                     games=self.heir_games,
-                    refit_games=settings.first_refit_games,
+                    refit_games=settings.refit_games,
                     rounds=self.heir_rounds,
                     panel=league.panel(settings.iterations + 1, camp),
                     trial=league.terms(settings.iterations + 1, settings.trial_games),
@@ -175,17 +175,16 @@ class Table1:
         for camp in CAMPS:
             heir = self.work / "heirs" / camp
             found = {
-                "HRL0": first[camp][0],
-                "HRL1": last[camp][0],
-                "HRL2": last[camp][1],
-                DISTILLED: Member(camp, DISTILLED, heir / DISTILLED),
-                "CAI": Member(camp, LEARNED, heir / LEARNED),
+                "HRL0": first[camp][0].folder,
+                "HRL1": last[camp][0].folder,
+                "HRL2": last[camp][1].folder,
+                DISTILLED: heir / DISTILLED,
+                "CAI": heir / LEARNED,
             }
-            for name, member in found.items():
+            for name, folder in found.items():
                 target = self.policy(name, camp)
                 if not target.exists():
-                    with making(target) as made:
-                        member.policy().save(made)
+                    shutil.copytree(folder, target)
 
     def policy(self, name: str, camp: str) -> Path:
         """Committed folder of a policy of the table."""

@@ -30,7 +30,7 @@ class TrainingSpec:
 
     games: int  # that a model learns from
     rounds: int  # parts of them; after each a version is judged
-    refit_games: int  # before them, in which the mixer alone learns, and the empty replay fills
+    refit_games: int  # before them, in which the mixer alone learns: it is new, and the replay is empty
     trial: Terms  # of a version's games against each of its panel
     seed: tuple[int, ...]  # numbers that name the training
     folder: Path  # gets the policies
@@ -87,7 +87,7 @@ def _train(spec: GroupSpec) -> dict[str, Judge]:
 def _start(spec: GroupSpec, camp: str) -> QMIX:
     """Make the learner of a camp, where its member left off."""
     member, seed = spec.members[camp], job_seed(*spec.seed, CAMPS.index(camp))
-    policy, mixer = member.policy(), member.mixer()
+    policy = member.policy()
     env = make_vec_env(
         "HexWarTask-v0",
         seed=seed_for(Purpose.TRAINING, seed),
@@ -97,7 +97,7 @@ def _start(spec: GroupSpec, camp: str) -> QMIX:
         **spec.env,
     )
     model = QMIX("TaskPolicy", env, seed=seed, **spec.learner)
-    model.take_over(policy, mixer)
+    model.take_over(policy)
     return model
 
 

@@ -33,8 +33,6 @@ class HeirSpec(TrainingSpec):
 def make_heir(spec: HeirSpec) -> None:
     """Distil and learn on (Fig. 6 (c)), and leave both policies: a function of `spec` alone, in any process.
 
-    The student begins as its first teacher, whose mixer it needs to learn on.
-
     Raises:
         PolicyFileError: a teacher's folder is broken.
         TrainingError: a gradient is not finite; no folder is left.
@@ -50,7 +48,6 @@ def make_heir(spec: HeirSpec) -> None:
             "HexWarTask-v0", seed=seed_for(Purpose.TRAINING, seed), lower=teachers[0].lower, **env
         )
         student = QMIX("TaskPolicy", games, seed=seed, **spec.learner)
-        student.take_over(teachers[0], spec.teachers[0].mixer())
         distill(teachers, student, env, spec.lessons, seed)
         as_member(student, side=spec.camp, **about).save(made / DISTILLED)
         student.refit_mixer(env_steps(env, spec.refit_games))

@@ -10,8 +10,8 @@ from typing import cast
 from hexwar_sb3.algorithms.qmix import QMIX
 from hexwar_sb3.evaluation.panel import Terms
 from hexwar_sb3.evaluation.results import CampResult
-from hexwar_sb3.league.member import Version, settled
 from hexwar_sb3.play.frozen import FrozenPolicy
+from hexwar_sb3.rules.ruleset import default_rules
 
 
 @dataclass
@@ -22,13 +22,13 @@ class Judge:
     panel: Sequence[object]  # players of the other camp
     terms: Terms  # of the games against each of them
     about: Mapping[str, str]  # texts for the policies
-    best: Version | None = None
+    best: FrozenPolicy | None = None
     win_rate: float = -1.0  # of the best, over all its games, 0..1
 
     def see(self, model: QMIX) -> None:
         """Let what the model is now play, as the mean of its last updates."""
-        version = settled(model, side=self.camp, **self.about)
-        win_rate = CampResult.joined(self._play(version.policy, other) for other in self.panel).win_rate.value
+        version = model.policy.freeze_settled(rules=default_rules().hash, side=self.camp, **self.about)
+        win_rate = CampResult.joined(self._play(version, other) for other in self.panel).win_rate.value
         if win_rate > self.win_rate:
             self.best, self.win_rate = version, win_rate
 
@@ -39,4 +39,4 @@ class Judge:
 
     def save(self, folder: Path) -> None:
         """Write the best version."""
-        cast("Version", self.best).save(folder)
+        cast("FrozenPolicy", self.best).save(folder)

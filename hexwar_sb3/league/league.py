@@ -221,7 +221,7 @@ class League:
                 partner_share=settings.partner_share,
                 games=settings.games,
                 rounds=settings.rounds,
-                refit_games=settings.first_refit_games if k == 1 else settings.refit_games,
+                refit_games=settings.refit_games,
                 panels=panels,
                 trial=self.terms(k, settings.trial_games),
                 seed=(settings.seed, k, i, j),
@@ -271,10 +271,11 @@ class League:
     def _select(self, k: int, jobs: int) -> None:
         models = self.models(k)
         reds, blues = ({member.name: member.folder for member in models[camp]} for camp in CAMPS)
+        terms = self.terms(k, self.settings.match_games)
         table = play_all(
-            reds, blues, self.terms(k, self.settings.match_games), self.iteration(k) / "matches", jobs=jobs
+            reds, blues, terms, self.iteration(k) / "matches", bots=self.settings.bots, jobs=jobs
         )
-        rows = {camp: standings(table, camp) for camp in CAMPS}
+        rows = {camp: standings(table, camp, self.settings.bots) for camp in CAMPS}
         before = self.kept(k - 1)
         for camp in CAMPS:
             for row in rows[camp]:
@@ -284,7 +285,7 @@ class League:
         }
         found = {
             "iteration": k,
-            "kept": select(table, self.settings.keep),
+            "kept": select(table, self.settings.keep, self.settings.bots),
             "standings": rows,
             "red_win_rates": wins,
         }
@@ -320,11 +321,7 @@ class League:
                 shutil.copyfile(file, new / place / file.name)
             for members in self.kept(k).values() if models or k == 0 else ():
                 for member in members if k in (0, done[-1]) else members[:1]:
-                    target = new / member.folder.relative_to(self.folder)
-                    if k == done[-1]:
-                        member.save_to(target)
-                    else:
-                        member.policy().save(target)
+                    member.policy().save(new / member.folder.relative_to(self.folder))
         shutil.rmtree(folder, ignore_errors=True)
         new.rename(folder)
 

@@ -1,4 +1,4 @@
-"""Who is kept: average win rate in a single round robin of all red against all blue models."""
+"""Who is kept: average win rate in a single round robin of all red against all blue models, and the bots."""
 
 from __future__ import annotations
 
@@ -13,26 +13,40 @@ Standing = dict[str, Any]  # name, win_rate with its interval, mean_margin
 
 
 def play_all(
-    reds: Mapping[str, object], blues: Mapping[str, object], terms: Terms, folder: Path, *, jobs: int = 1
+    reds: Mapping[str, object],
+    blues: Mapping[str, object],
+    terms: Terms,
+    folder: Path,
+    *,
+    bots: Sequence[str] = (),
+    jobs: int = 1,
 ) -> Table:
-    """Play every red model against every blue one.
+    """Play every red model against every blue one, and all of them against the bots.
 
     Args:
         reds: players by name.
         blues: likewise; a name may be in both.
         terms: of the games.
         folder: gets a file a match.
+        bots: further players of both colours, who do not meet each other.
         jobs: matches side by side.
     """
-    meetings = [Meeting(red=red, blue=blue, scenario=terms.scenario) for red in reds for blue in blues]
-    return play_meetings(meetings, reds, blues, terms, folder, jobs=jobs)
+    pairs = [(red, blue) for red in (*reds, *bots) for blue in (*blues, *bots)]
+    meetings = [
+        Meeting(red=red, blue=blue, scenario=terms.scenario)
+        for red, blue in pairs
+        if red in reds or blue in blues
+    ]
+    players = {bot: bot for bot in bots}
+    return play_meetings(meetings, {**reds, **players}, {**blues, **players}, terms, folder, jobs=jobs)
 
 
-def standings(table: Table, camp: str) -> list[Standing]:
+def standings(table: Table, camp: str, bots: Sequence[str] = ()) -> list[Standing]:
     """Models of a colour by their average win rate, the best first; equal ones by margin, then by name."""
     rows: dict[str, list[Mapping[str, Any]]] = {}
     for meeting, row in table.rows.items():
-        rows.setdefault(getattr(meeting, camp), []).append(row[camp])
+        if getattr(meeting, camp) not in bots:
+            rows.setdefault(getattr(meeting, camp), []).append(row[camp])
     found = []
     for name, cells in rows.items():
         rate = table.win_rate(name, camp)
@@ -44,7 +58,7 @@ def standings(table: Table, camp: str) -> list[Standing]:
     return sorted(found, key=lambda one: (-one["win_rate"], -one["mean_margin"], one["name"]))
 
 
-def select(table: Table, keep: int) -> dict[str, Sequence[str]]:
+def select(table: Table, keep: int, bots: Sequence[str] = ()) -> dict[str, Sequence[str]]:
     """Names of the best models of each colour, the best first; repeated where there are fewer.
 
     Example:
@@ -53,6 +67,6 @@ def select(table: Table, keep: int) -> dict[str, Sequence[str]]:
     """
     kept: dict[str, Sequence[str]] = {}
     for camp in ("red", "blue"):
-        names = [one["name"] for one in standings(table, camp)]
+        names = [one["name"] for one in standings(table, camp, bots)]
         kept[camp] = [names[k % len(names)] for k in range(keep)]
     return kept

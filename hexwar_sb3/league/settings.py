@@ -35,7 +35,6 @@ RANGES = {
     "games": (1, 1_000_000),
     "rounds": (1, 1_000),
     "refit_games": (0, 100_000),
-    "first_refit_games": (0, 100_000),
     "trial_games": (1, 100_000),
     "match_games": (1, 100_000),
     "warm_up_games": (1, 100_000),
@@ -56,9 +55,8 @@ class LeagueSettings:
     rounds: int = 2  # parts of them: red and blue learn in turn
     partner_share: float = 0.2  # of these games against the partner
     past_share: float = 0.3  # against the best of the iterations before; half of them are the very first's
-    bots: tuple[str, ...] = ("MA1", "MA2", "all-main")  # the rest is theirs
-    refit_games: int = 100  # before them, in which the mixer alone learns, and the empty replay fills
-    first_refit_games: int = 500  # in the first iteration, whose mixers are new; and of heirs
+    bots: tuple[str, ...] = ("MA1", "MA2", "all-main")  # the rest is theirs; they play in the round robin too
+    refit_games: int = 100  # before them, in which the mixer alone learns: it is new, the replay empty
     cooling: float = 0.85  # an iteration's learning rate, as part of that before it
     trial_games: int = 100  # of a version, one a round, against each of its panel; the best is the group's
     match_games: int = 50  # of each pairing in the round robin that selects

@@ -60,7 +60,7 @@ def pipeline(tmp_path: Path) -> Table1:
     """A pipeline of a minute, whose warm-ups are there."""
     places = Places(tmp_path / "results", tmp_path / "work")
     settings = LeagueSettings(
-        keep=2, iterations=1, games=4, rounds=1, refit_games=1, first_refit_games=1, trial_games=1, match_games=2, warm_up_games=2, n_envs=2,
+        keep=2, iterations=1, games=4, rounds=1, refit_games=1, trial_games=1, match_games=2, warm_up_games=2, n_envs=2,
         learner={"learning_starts": 0, "buffer_size": 200, "batch_size": 8},
     )  # fmt: skip
     lessons = Lessons(games=2, updates=5, batch_size=8)

@@ -19,7 +19,6 @@ TINY: dict[str, Any] = {
     "games": 4,
     "rounds": 2,
     "refit_games": 0,
-    "first_refit_games": 2,
     "trial_games": 1,
     "match_games": 2,
     "warm_up_games": 2,

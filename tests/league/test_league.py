@@ -10,16 +10,16 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
 
 from hexwar_sb3.errors import ConfigError, FileFormatError, PolicyFileError, UnknownNameError
 from hexwar_sb3.league import group
 from hexwar_sb3.league.group import train_group
 from hexwar_sb3.league.league import League, group_name, parent_of
-from hexwar_sb3.league.member import CAMPS, MIXER, MIXER_FOLDER
 from hexwar_sb3.league.settings import LeagueSettings
 from hexwar_sb3.play.frozen import FrozenPolicy
+
+BOTS = LeagueSettings().bots
 
 
 def contents(folder: Path) -> dict[str, str]:
@@ -81,39 +81,14 @@ def test_random_tasks_grow_rare_over_the_first_games_with_those_of_the_refit(who
     assert league.learner(800, 1)["exploration_episodes"] == 600
 
 
-def test_the_mixer_alone_learns_longest_where_it_is_new(whole: League) -> None:
-    assert [whole.specs(k)[0].refit_games for k in (1, 2)] == [2, 0]
-
-
-def test_children_go_on_with_the_mixer_of_their_parent(whole: League) -> None:
-    spec = whole.specs(2)[3]
-    for camp in CAMPS:
-        model, mixer = group._start(spec, camp), spec.members[camp].mixer()
-        assert mixer is not None
-        for policy in (model.policy.mixer, model.policy.mixer_target):
-            for name, tensor in policy.state_dict().items():
-                np.testing.assert_array_equal(tensor, mixer[name])
-    assert whole.specs(1)[0].members["red"].mixer() is None
-
-
-def test_a_league_of_another_mixer_is_trained(
-    tiny: LeagueSettings, starters: dict[str, Path], tmp_path: Path
-) -> None:
-    settings = replace(tiny, keep=1, learner={**tiny.learner, "mixer": "vdn"})
-    league = League.create(tmp_path, settings, starters)
-    league.run()
-
-    assert league.kept(2)["red"][0].mixer() is None  # a sum has no weights
-
-
 def test_the_best_average_win_rate_is_kept(whole: League) -> None:
     found = json.loads((whole.iteration(2) / "table.json").read_text())
     rates: dict[str, list[float]] = {}
     for pair, rate in found["red_win_rates"].items():
         rates.setdefault(pair.split()[0], []).append(rate)
-    means = {name: sum(values) / len(values) for name, values in rates.items()}
+    means = {name: sum(values) / len(values) for name, values in rates.items() if name not in BOTS}
 
-    assert len(found["red_win_rates"]) == 16
+    assert len(found["red_win_rates"]) == 4 * 4 + 2 * 4 * len(BOTS)
     assert means[found["kept"]["red"][0]] == max(means.values())
     worst = min(row["win_rate"] for row in found["standings"]["blue"] if row["name"] in found["kept"]["blue"])
     assert all(
@@ -121,6 +96,24 @@ def test_the_best_average_win_rate_is_kept(whole: League) -> None:
         for row in found["standings"]["blue"]
         if row["name"] not in found["kept"]["blue"]
     )
+
+
+def test_bots_play_in_the_round_robin_but_are_not_kept(whole: League) -> None:
+    found = json.loads((whole.iteration(2) / "table.json").read_text())
+
+    for camp in ("red", "blue"):
+        assert len(found["standings"][camp]) == 4
+        assert not set(found["kept"][camp]) & set(BOTS)
+    assert not any(set(pair.split()) <= set(BOTS) for pair in found["red_win_rates"])
+
+
+def test_a_league_of_another_mixer_is_trained(
+    tiny: LeagueSettings, starters: dict[str, Path], tmp_path: Path
+) -> None:
+    settings = replace(tiny, keep=1, refit_games=2, learner={**tiny.learner, "mixer": "vdn"})
+    League.create(tmp_path, settings, starters).run()
+
+    assert League.open(tmp_path).is_done(2)
 
 
 def test_a_model_knows_its_parent(whole: League) -> None:
@@ -301,23 +294,6 @@ def test_a_broken_model_is_named(whole: League, tmp_path: Path) -> None:
     (member.folder / "weights.safetensors").write_bytes(b"\x80\x04pickle")
     with pytest.raises(PolicyFileError, match="sha256: found other weights"):
         train_group(replace(league.specs(2)[0], folder=tmp_path / "again"))
-
-
-def test_a_broken_mixer_is_named(whole: League, tmp_path: Path) -> None:
-    shutil.copytree(whole.folder, tmp_path / "league")
-    league = League.open(tmp_path / "league")
-    mixer = dict(league.kept(1)["red"][0].mixer() or {})
-    folder = league.kept(1)["red"][0].folder / MIXER_FOLDER
-    for broken, message in (
-        (
-            {**mixer, "hyper_b1.bias": mixer["hyper_b1.bias"] * np.float32("nan")},
-            "hyper_b1.bias holds numbers",
-        ),
-        ({**mixer, "hyper_b1.bias": np.zeros(5, np.float32)}, r"hyper_b1.bias has the shape \(5,\)"),
-    ):
-        MIXER.save(folder, broken, {}, {})
-        with pytest.raises(PolicyFileError, match=message):
-            train_group(replace(league.specs(2)[0], folder=tmp_path / "again"))
 
 
 def test_what_is_kept_of_a_league_goes_on_as_the_league(

@@ -7,7 +7,6 @@ import pytest
 import torch
 
 from hexwar_sb3.algorithms.qmix import QMIX
-from hexwar_sb3.algorithms.replay import situation_of
 from hexwar_sb3.envs.registration import make_vec_env
 from hexwar_sb3.errors import ConfigError
 from hexwar_sb3.play.frozen import FrozenPolicy
@@ -27,37 +26,6 @@ def test_values_stay(widths: dict[str, int]) -> None:
     for mine in (wide.policy.freeze(), wide.policy.freeze_settled()):
         np.testing.assert_allclose(mine.q_values(obs), values, rtol=1e-4, atol=1e-5)  # type: ignore[arg-type]
         np.testing.assert_array_equal(mine.act(obs), policy.act(obs))  # type: ignore[arg-type]
-
-
-def test_with_the_mixer_the_joint_value_stays() -> None:
-    source, other = model(seed=1), model(seed=2, hidden=128)
-    source.learn(4 * 24 * 2)
-    other.take_over(source.policy.freeze_settled(), source.policy.settled_mixer())
-    now = situation_of(source.env.reset(), source.device)  # type: ignore[arg-type,union-attr]
-
-    tasks = now.sets.best(source.policy.agent_target.q_values(now.sets))
-    values = []
-    for policy in (source.policy, other.policy):
-        chosen = policy.agent_target.q_chosen(now.sets, tasks).view_as(now.alive)
-        values.append(policy.mixer_target(chosen, now.state, now.alive))
-    torch.testing.assert_close(values[0], values[1], rtol=1e-4, atol=1e-5)
-
-
-def test_another_mixer_is_refused() -> None:
-    policy, mixer = model().policy.freeze(), model().policy.settled_mixer()
-    for other, message in (
-        (
-            {**mixer, "hyper_b1.bias": np.zeros(3, np.float32)},
-            r"hyper_b1.bias: the policy has \(3,\), this model \(32,\)",
-        ),
-        ({}, r"hyper_b1.bias: the policy has no such layer, this model \(32,\)"),
-        (
-            {**mixer, "more": np.zeros(3, np.float32)},
-            r"more: the policy has \(3,\), this model no such layer",
-        ),
-    ):
-        with pytest.raises(ConfigError, match=message):
-            model().take_over(policy, other)
 
 
 def test_new_units_learn() -> None:
