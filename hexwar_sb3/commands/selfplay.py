@@ -37,7 +37,7 @@ class SelfPlay:
     trial_games: int = 100  # of a version of a model against each of its panel; the best version is kept
     match_games: int = 50  # of each pairing in the round robin
     warm_up_games: int = 400  # of each model to begin with against each of MA1 and MA2, to rank them
-    bots: tuple[str, ...] = ("MA1", "MA2", "all-main")  # that models go on meeting
+    bots: tuple[str, ...] = ("MA1", "MA2", "all-main")  # met in training and in the round robin
     partner_share: float = 0.2  # of these games, against the partner of the group
     past_share: float = 0.3  # of these games, against the best of the iterations before
     hidden: int = 64  # width of the models' networks; narrower ones are widened

@@ -29,11 +29,8 @@ from hexwar_sb3.league.settings import LeagueSettings
 
 NAME = "table1"
 ROWS = ("HRL0", "HRL1", "HRL2", "CAI")
-PLAYERS = (
-    "nearest",
-    "defender",
-    *CONSTANT_PLANS,
-)  # nothing was trained or selected against them, all-main apart
+PLAYERS = ("nearest", "defender", *CONSTANT_PLANS)
+"""Columns beside the paper's; nothing was trained or selected against them, "all-main" apart."""
 COLUMNS = (*BOTS, "HRL0", "HRL1", *PLAYERS)
 WARM_UPS = 10_000  # games
 HEIR = {"learning_rate": 1e-3, "final_learning_rate": 2e-5, "buffer_size": 60_000}
