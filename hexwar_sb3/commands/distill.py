@@ -40,8 +40,8 @@ class Distill:
         from hexwar_sb3.envs.registration import make_vec_env
         from hexwar_sb3.evaluation.panel import Terms, trained_terms
         from hexwar_sb3.league.distil import Lessons, distill
-        from hexwar_sb3.league.group import env_settings
         from hexwar_sb3.league.member import as_member
+        from hexwar_sb3.league.work import env_settings
         from hexwar_sb3.play.frozen import FrozenPolicy
         from hexwar_sb3.rules.ruleset import default_rules
 

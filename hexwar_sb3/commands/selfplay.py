@@ -33,8 +33,9 @@ class SelfPlay:
     output: Path = Path("league")  # folder of the league
     iterations: int = 10  # of training, round robin and selection
     keep: int = 4  # models of each colour that are kept; keep * keep groups train
-    games: int = 600  # that each of the two models of a group learns from, an iteration
-    trial_games: int = 100  # of a version of a model against each of its panel; the best version is kept
+    school_rounds: int = 2  # of lessons, with which a group begins; 0: none, as in the paper
+    games: int = 200  # that each of the two models of a group then learns from by itself
+    trial_games: int = 60  # of a version of a model against each of its panel; the best version is kept
     match_games: int = 50  # of each pairing in the round robin
     warm_up_games: int = 400  # of each model to begin with against each of MA1 and MA2, to rank them
     bots: tuple[str, ...] = ("MA1", "MA2", "all-main")  # met in training and in the round robin
@@ -85,7 +86,7 @@ def policy_folder(path: Path) -> Path:
 
 def in_words(league: League, k: int) -> str:
     """One line on an iteration: the best of each colour."""
-    from hexwar_sb3.league.league import read_json
+    from hexwar_sb3.league.files import read_json
 
     found = read_json(league.table(k))["standings"]
     best = (

@@ -21,10 +21,12 @@ from hexwar_sb3.experiments.fig7 import pair
 from hexwar_sb3.experiments.runs import Budget, Places, Run
 from hexwar_sb3.league.cost import Cost, added, measured, read_cost
 from hexwar_sb3.league.distil import Lessons
+from hexwar_sb3.league.files import read_json
 from hexwar_sb3.league.heir import DISTILLED, LEARNED, HeirSpec, make_heir
-from hexwar_sb3.league.league import League, read_json
+from hexwar_sb3.league.league import League
 from hexwar_sb3.league.member import CAMPS
 from hexwar_sb3.league.picture import draw_league
+from hexwar_sb3.league.school import School
 from hexwar_sb3.league.settings import LeagueSettings
 
 NAME = "table1"
@@ -33,9 +35,6 @@ PLAYERS = ("nearest", "defender", *CONSTANT_PLANS)
 """Columns beside the paper's; nothing was trained or selected against them, "all-main" apart."""
 COLUMNS = (*BOTS, "HRL0", "HRL1", *PLAYERS)
 WARM_UPS = 10_000  # games
-HEIR = {"learning_rate": 1e-3, "final_learning_rate": 2e-5, "buffer_size": 60_000}
-"""Arguments of QMIX for CAI, where they differ from those of the league's first iteration."""
-
 Say = Callable[[str], object]
 
 
@@ -47,8 +46,7 @@ class Table1:
     seeds: tuple[int, ...] = (0, 1, 2, 3)  # of the warm-ups
     settings: LeagueSettings = field(default_factory=lambda: LeagueSettings(hidden=128))
     lessons: Lessons = field(default_factory=Lessons)
-    heir_games: int = 12_000  # in which CAI learns on
-    heir_rounds: int = 12  # parts of them; after each a version is judged
+    school: School = field(default_factory=School)  # of CAI, after it was distilled
     games: int = 2_000  # a cell
     progress_games: int = 400  # a colour and opponent, for each point of the league's picture
     jobs: int = 1  # side by side
@@ -73,7 +71,7 @@ class Table1:
             return None
         league = self.league()
         league.run(self.jobs, after=lambda k: self._after(league, k, say))
-        say("heirs: distillation, then learning on")
+        say("heirs: distillation, then school")
         missing = [spec for spec in self.heirs(league) if not self.policy("CAI", spec.camp).is_dir()]
         if missing:
             with measured(self.kept, "heirs", self.jobs):
@@ -113,28 +111,27 @@ class Table1:
         say(f"league: iteration {k} of {self.settings.iterations} is done")
 
     def heirs(self, league: League) -> list[HeirSpec]:
-        """One heir a camp: taught by the two best, it learns on against whom the last iteration kept, the past and bots."""
-        last, settings = league.kept(self.settings.iterations), self.settings
+        """One heir a camp: of the two best, taught against whom the last iteration kept, the past and bots."""
+        first, last, settings = league.kept(0), league.kept(self.settings.iterations), self.settings
         specs = []
         for camp, enemy in (CAMPS, CAMPS[::-1]):
-            others = league.others(settings.iterations + 1, camp)
             share = settings.partner_share / len(last[enemy])
-            latest = [(str(member.folder), share) for member in last[enemy]]
+            latest = {str(member.folder): share for member in last[enemy]}
+            others = league.others(settings.iterations + 1, camp)
             specs.append(
                 HeirSpec(
                     camp=camp,
                     teachers=tuple(last[camp][:2]),
-                    opponents=[*latest, *others],
+                    elders=(*last[camp][:2], first[camp][0]),
                     lessons=self.lessons,
-                    games=self.heir_games,
-                    refit_games=settings.refit_games,
-                    rounds=self.heir_rounds,
+                    school=self.school,
+                    opponents=[*latest.items(), *(one for one in others if one[0] not in latest)],
                     panel=league.panel(settings.iterations + 1, camp),
                     trial=league.terms(settings.iterations + 1, settings.trial_games),
                     seed=(settings.seed, settings.iterations + 1),
                     folder=self.work / "heirs" / camp,
                     env=league.env(),
-                    learner={**league.learner(self.heir_games, 1), **HEIR},
+                    learner=league.learner(settings.games, 1),
                     about=league.terms(0, 1).about(),
                 )
             )

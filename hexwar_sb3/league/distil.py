@@ -13,7 +13,7 @@ from hexwar_sb3.envs.registration import make_vec_env
 from hexwar_sb3.envs.settings import check_share
 from hexwar_sb3.errors import ConfigError
 from hexwar_sb3.evaluation.seeds import Purpose, seed_for
-from hexwar_sb3.league.group import env_steps, job_seed, one_thread
+from hexwar_sb3.league.work import env_steps, job_seed, one_thread
 from hexwar_sb3.play.frozen import FrozenPolicy
 
 
@@ -72,7 +72,7 @@ def distill(
             )
             settings = games.get_attr("games")[0].settings
             steps = env_steps(vars(settings), lessons.games)
-            met.append(teach(teacher, student.policy, games, steps, lessons.epsilon, own))
+            met.append(teach(teacher, games, steps, lessons.epsilon, own))
         student.lead_with(teachers[0].lower)
         return learn_from(
             met,

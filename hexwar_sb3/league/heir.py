@@ -1,41 +1,51 @@
-"""The combination of the best (CAI, Fig. 6 (c)): teachers are distilled into one model, which then learns on."""
+"""The combination of the best (CAI, Fig. 6 (c)): teachers are distilled into one model, which then goes to school."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
-
-from stable_baselines3.common.callbacks import ConvertCallback, EveryNTimesteps
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
 
 from hexwar_sb3.algorithms.qmix import QMIX
 from hexwar_sb3.envs.registration import make_vec_env
+from hexwar_sb3.evaluation.panel import Terms
 from hexwar_sb3.evaluation.seeds import Purpose, seed_for
 from hexwar_sb3.league.cost import measured
 from hexwar_sb3.league.distil import Lessons, distill
-from hexwar_sb3.league.group import Opponents, TrainingSpec, env_steps, job_seed, one_thread
+from hexwar_sb3.league.files import write_json
 from hexwar_sb3.league.judge import Judge
 from hexwar_sb3.league.member import CAMPS, Member, as_member, making
+from hexwar_sb3.league.school import Class, School, attend, best_teacher, name_of
+from hexwar_sb3.league.work import Opponents, job_seed, one_thread
 
 DISTILLED, LEARNED = "distilled", "learned"  # folders of the two stages
 
 
 @dataclass(frozen=True, kw_only=True)
-class HeirSpec(TrainingSpec):
+class HeirSpec:
     """All that the making of an heir depends on; leaves distilled/ and learned/."""
 
     camp: str
-    teachers: tuple[Member, ...]
-    opponents: Opponents
+    teachers: tuple[Member, ...]  # who are distilled
+    elders: tuple[Member, ...]  # who teach at school, too, where they are better than the student
     lessons: Lessons
+    school: School
+    opponents: Opponents  # of the teachers' games, and of the school's lessons
     panel: Sequence[object]  # whom its versions are judged against
+    trial: Terms  # of a version's games against each of its panel
+    seed: tuple[int, ...]  # numbers that name the training
+    folder: Path  # gets the policies
+    env: Mapping[str, Any]  # settings of the task env
+    learner: Mapping[str, Any]  # arguments of QMIX
+    about: Mapping[str, str]  # texts for the policies' folders
 
 
 def make_heir(spec: HeirSpec) -> None:
-    """Distil and learn on (Fig. 6 (c)), and leave both policies: a function of `spec` alone, in any process.
+    """Distil and teach on (Fig. 6 (c)), and leave both policies: a function of `spec` alone, in any process.
 
     Raises:
         PolicyFileError: a teacher's folder is broken.
-        TrainingError: a gradient is not finite; no folder is left.
     """
     if spec.folder.is_dir():
         return
@@ -50,21 +60,13 @@ def make_heir(spec: HeirSpec) -> None:
         student = QMIX("TaskPolicy", games, seed=seed, **spec.learner)
         distill(teachers, student, env, spec.lessons, seed)
         as_member(student, side=spec.camp, **about).save(made / DISTILLED)
-        student.refit_mixer(env_steps(env, spec.refit_games))
         judge = Judge(spec.camp, spec.panel, spec.trial, about)
-        _learn_on(student, spec, judge)
-        judge.save(made / LEARNED)
-
-
-def _learn_on(student: QMIX, spec: HeirSpec, judge: Judge) -> None:
-    """Let the student learn, and show the judge what it is before and after every part of its games."""
-
-    def see(*_: object) -> bool:
         judge.see(student)
-        return True
-
-    steps = env_steps(spec.env, spec.games)
-    every = EveryNTimesteps(-(-steps // spec.rounds), ConvertCallback(see))
-    see()
-    student.learn(steps, every, reset_num_timesteps=False)
-    see()
+        elders, classes, found = [made / DISTILLED, *(member.folder for member in spec.elders)], [], []
+        for opponent, weight in spec.opponents:
+            best = best_teacher(elders, opponent, spec.camp, spec.school, spec.trial)
+            found.append({"opponent": name_of(opponent), **asdict(best)})
+            classes.append(Class(elders[best.elder], best.order, opponent, weight))
+        write_json(made / "school.json", {"classes": found})
+        attend(student, classes, env, spec.school, seed, judge.see)
+        judge.save(made / LEARNED)

@@ -2,16 +2,16 @@
 
 * `league.json`: settings, and what the figures depend on.
 * `iteration_00/models/NAME/`: the models that it began with; `iteration_00/table.json`: how they did against the bots.
+* `iteration_03/school/red/2-r1b1/0.json`: who teaches this model, of those that were kept, against the first opponent.
 * `iteration_03/groups/3-r0b2/red/`: what iteration 3 made of the best red model in the group with the third best blue.
 * `iteration_03/table.json`: the round robin of all of them, who was kept, and whom they come from.
 """
 
 from __future__ import annotations
 
-import json
 import re
 import shutil
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, fields, replace
 from pathlib import Path
 from typing import Any
@@ -22,18 +22,19 @@ from hexwar_sb3.evaluation.jobs import run_jobs
 from hexwar_sb3.evaluation.panel import BOTS, Terms, trained_terms
 from hexwar_sb3.evaluation.provenance import provenance
 from hexwar_sb3.evaluation.seeds import Purpose
-from hexwar_sb3.files import replacing
 from hexwar_sb3.league.cost import measured
-from hexwar_sb3.league.group import GroupSpec, Opponents, env_settings, job_seed, train_group
+from hexwar_sb3.league.files import read_json, write_json
+from hexwar_sb3.league.group import GroupSpec, train_group
 from hexwar_sb3.league.member import CAMPS, Member, clear_unfinished
+from hexwar_sb3.league.school import Class, Search, read_class, search
 from hexwar_sb3.league.selection import play_all, select, standings
 from hexwar_sb3.league.settings import EXPLORING_SHARE, LEARNER, LeagueSettings
+from hexwar_sb3.league.work import Opponents, env_settings, env_steps, job_seed
 from hexwar_sb3.play.frozen import FrozenPolicy
 from hexwar_sb3.play.player import make_player
 
 FORMAT = "hexwar league 1"
 NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]{0,79}")
-MAX_BYTES = 1 << 22  # of a JSON file
 Generation = dict[str, list[Member]]  # by camp, the best first
 
 
@@ -55,7 +56,7 @@ class League:
         path = folder / "league.json"
         found = read_json(path)
         values, known = found.get("settings"), {field.name for field in fields(LeagueSettings)}
-        kinds = {"bots": list, "learner": dict, "scenario": str}
+        kinds = {"bots": list, "school_trials": list, "learner": dict, "scenario": str}
         if (
             found.get("format") != FORMAT
             or not isinstance(values, dict)
@@ -64,7 +65,8 @@ class League:
         ):
             said = f"{str(found.get('format'))[:40]!r} with {str(values)[:60]}"
             raise FileFormatError(path, "format", found=said, expected=f"{FORMAT!r} with settings")
-        settings = LeagueSettings(**{**values, "bots": tuple(values["bots"])})
+        tuples = {name: tuple(values[name]) for name, kind in kinds.items() if kind is list}
+        settings = LeagueSettings(**{**values, **tuples})
         for key, value in provenance(settings.scenario).items():
             if key != "software" and found.get(key) != value:
                 raise FileFormatError(path, key, found=str(found.get(key)), expected=value)
@@ -186,6 +188,10 @@ class League:
         after(0)
         for k in range(1, self.settings.iterations + 1):
             if not self.is_done(k):
+                if self.settings.school_rounds:
+                    with measured(self.iteration(k), "school", jobs):
+                        searches = [one for found in self.searches(k).values() for one in found.values()]
+                        run_jobs(search, [one for one in searches if not one.file.exists()], jobs, "teacher")
                 with measured(self.iteration(k), "groups", jobs):
                     self._train_groups(k, jobs)
                 with measured(self.iteration(k), "round robin", jobs):
@@ -209,16 +215,61 @@ class League:
         run_jobs(train_group, [spec for spec in self.specs(k) if not spec.folder.is_dir()], jobs, "group")
         clear_unfinished(self.iteration(k) / "groups")
 
+    def searches(self, k: int) -> dict[tuple[str, str], dict[str, Search]]:
+        """Searches for the teachers of iteration k, by camp and name of a model that was kept, then by opponent.
+
+        The opponents are the enemies that were kept, the enemy's first best, and bots. Beside the model led by an order,
+        the first best of its own colour may teach.
+        """
+        kept, first = self.kept(k - 1), self.kept(0)
+        found = {}
+        for camp, enemy in (CAMPS, CAMPS[::-1]):
+            opponents = [*(str(one.folder) for one in kept[enemy]), *self.panel(k, camp)]
+            for member in kept[camp]:
+                found[camp, member.name] = {
+                    str(opponent): Search(
+                        elders=(member.folder, first[camp][0].folder),
+                        opponent=opponent,
+                        camp=camp,
+                        school=self.settings.school,
+                        terms=self.terms(k, 1),
+                        file=self.iteration(k) / "school" / camp / member.name / f"{n}.json",
+                    )
+                    for n, opponent in enumerate(dict.fromkeys(opponents))
+                }
+        return found
+
+    def _classes(self, found: Mapping[str, Search], panel: Sequence[object], partner: Member) -> list[Class]:
+        """Of a group's school: against the partner, the enemy's first and latest best, and bots."""
+        settings = self.settings
+        ends = [one for one in panel if one not in settings.bots]
+        bots_share = 1.0 - settings.partner_share - settings.past_share
+        weights = {str(partner.folder): settings.partner_share}
+        for players, share in ((ends, settings.past_share), (settings.bots, bots_share)):
+            for player in players:
+                weights[str(player)] = weights.get(str(player), 0.0) + share / len(players)
+        return [read_class(found[name], weight) for name, weight in weights.items() if weight > 0]
+
     def specs(self, k: int) -> list[GroupSpec]:
         """What the groups of an iteration depend on: the models that were kept, and those before them."""
         kept, settings = self.kept(k - 1), self.settings
         others = {camp: self.others(k, camp) for camp in CAMPS}
         panels = {camp: self.panel(k, camp) for camp in CAMPS}
+        searches = self.searches(k) if settings.school_rounds else {}
+
+        def classes(camp: str, member: Member, partner: Member) -> list[Class]:
+            return self._classes(searches[camp, member.name], panels[camp], partner) if searches else []
+
         return [
             GroupSpec(
                 members={"red": kept["red"][i], "blue": kept["blue"][j]},
                 others=others,
                 partner_share=settings.partner_share,
+                school=settings.school,
+                classes={
+                    "red": classes("red", kept["red"][i], kept["blue"][j]),
+                    "blue": classes("blue", kept["blue"][j], kept["red"][i]),
+                },
                 games=settings.games,
                 rounds=settings.rounds,
                 refit_games=settings.refit_games,
@@ -328,8 +379,8 @@ class League:
     @property
     def env_steps(self) -> int:
         """Env steps of all groups together, mixers that were refitted apart."""
-        each = self.specs(1)[0].steps if self.settings.iterations else 0
-        return 2 * self.settings.keep**2 * self.settings.iterations * each
+        groups = self.settings.keep**2 * self.settings.iterations
+        return 2 * groups * env_steps(self.env(), self.settings.games)
 
     def env(self) -> dict[str, Any]:
         """Settings of the task env."""
@@ -345,32 +396,6 @@ def parent_of(name: str, camp: str) -> int:
     """Place of a model's parent among the models of its colour that were kept."""
     red, _, blue = name.partition("-r")[2].partition("b")
     return int(red if camp == "red" else blue)
-
-
-def read_json(path: Path) -> dict[str, Any]:
-    """Read a JSON object.
-
-    Raises:
-        FileFormatError: it is missing, too large or broken.
-    """
-    try:
-        size = path.stat().st_size
-        if size > MAX_BYTES:
-            raise FileFormatError(path, "file size", found=f"{size} bytes", expected=f"at most {MAX_BYTES}")
-        values = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError, RecursionError) as error:
-        if isinstance(error, FileFormatError):
-            raise
-        raise FileFormatError(path, "file", found=str(error), expected="a league's file") from error
-    if not isinstance(values, dict):
-        raise FileFormatError(path, "file", found=type(values).__name__, expected="names and values")
-    return values
-
-
-def write_json(path: Path, values: Mapping[str, Any]) -> None:
-    """Write a JSON object, at once or not at all."""
-    with replacing(path) as temporary:
-        temporary.write_text(json.dumps(values, indent=1) + "\n", encoding="utf-8")
 
 
 def _difference(mine: LeagueSettings, other: LeagueSettings) -> str:

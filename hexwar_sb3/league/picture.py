@@ -10,7 +10,8 @@ from matplotlib.ticker import MaxNLocator
 
 from hexwar_sb3.evaluation.intervals import Estimate
 from hexwar_sb3.files import replacing
-from hexwar_sb3.league.league import League, read_json
+from hexwar_sb3.league.files import read_json
+from hexwar_sb3.league.league import League
 from hexwar_sb3.league.member import CAMPS
 
 if TYPE_CHECKING:

@@ -8,6 +8,8 @@ from typing import Any
 from hexwar_sb3.checks import check_whole
 from hexwar_sb3.envs.settings import check_share
 from hexwar_sb3.errors import ConfigError, UnknownNameError
+from hexwar_sb3.league.distil import Lessons
+from hexwar_sb3.league.school import School
 
 LEARNER: dict[str, Any] = {
     "learning_rate": 1e-3,  # of the first iteration
@@ -29,12 +31,16 @@ LEARNS_BY = (
 """Arguments of QMIX that a league may set; none of them names a file."""
 MOST = {"buffer_size": 1_000_000, "batch_size": 65_536, "gradient_steps": 1_000, "n_steps": 1_000}
 """Limits of those that cost memory or time."""
+SURVIVORS = (8, 3, 1)  # of the candidates for a teacher, after each of the trials
 RANGES = {
     "iterations": (0, 1_000),
     "keep": (1, 16),
     "games": (1, 1_000_000),
     "rounds": (1, 1_000),
     "refit_games": (0, 100_000),
+    "school_rounds": (0, 1_000),
+    "school_games": (1, 100_000),
+    "school_updates": (1, 1_000_000),
     "trial_games": (1, 100_000),
     "match_games": (1, 100_000),
     "warm_up_games": (1, 100_000),
@@ -47,18 +53,22 @@ RANGES = {
 
 @dataclass(frozen=True, kw_only=True)
 class LeagueSettings:
-    """Grouped self-play as in III-C and IV-A, with opponents of the past and bots beside it."""
+    """Grouped self-play as in III-C and IV-A; beside it school, opponents of the past and bots."""
 
     iterations: int = 10
     keep: int = 4  # models of each colour that an iteration keeps; keep * keep groups train
-    games: int = 600  # that each of the two models of a group learns from
-    rounds: int = 2  # parts of them: red and blue learn in turn
+    school_rounds: int = 2  # of lessons, with which a group begins; 0: none, as in the paper
+    school_games: int = 32  # of a round, against each opponent of the school
+    school_updates: int = 500  # of a round
+    school_trials: tuple[int, ...] = (8, 20, 60)  # games in which the teachers against an opponent are found
+    games: int = 200  # that each of the two models of a group then learns from by itself
+    rounds: int = 1  # parts of them: red and blue learn in turn
     partner_share: float = 0.2  # of these games against the partner
     past_share: float = 0.3  # against the best of the iterations before; half of them are the very first's
     bots: tuple[str, ...] = ("MA1", "MA2", "all-main")  # the rest is theirs; they play in the round robin too
-    refit_games: int = 100  # before them, in which the mixer alone learns: it is new, the replay empty
+    refit_games: int = 50  # before them, in which the mixer alone learns: it is new, the replay empty
     cooling: float = 0.85  # an iteration's learning rate, as part of that before it
-    trial_games: int = 100  # of a version, one a round, against each of its panel; the best is the group's
+    trial_games: int = 60  # of a version against each of its panel; the best is the group's
     match_games: int = 50  # of each pairing in the round robin that selects
     warm_up_games: int = 400  # against each of MA1 and MA2, to choose the first models
     scenario: str = "plain"
@@ -88,7 +98,18 @@ class LeagueSettings:
             raise ConfigError(f"partner_share and past_share must add up to at most 1, got {total}")
         if total < 1.0 and not self.bots:
             raise ConfigError("without bots, partner_share and past_share must add up to 1")
+        if not 1 <= len(self.school_trials) <= len(SURVIVORS):
+            raise ConfigError(f"school_trials are 1 to {len(SURVIVORS)} numbers, got {self.school_trials}")
+        for games in self.school_trials:
+            check_whole("games of school_trials", games, least=1)
         self._check_learner()
+
+    @property
+    def school(self) -> School:
+        """Of a group: few games and updates, for there are many groups."""
+        lessons = Lessons(games=self.school_games, epsilon=0.03, updates=self.school_updates)
+        trials = tuple(zip(self.school_trials, SURVIVORS, strict=False))
+        return School(lessons=lessons, rounds=self.school_rounds, trials=trials)
 
     def _check_learner(self) -> None:
         for name, value in self.learner.items():

@@ -63,13 +63,13 @@ def test_a_student_of_any_widths_comes_to_choose_as_its_teacher(widths: dict[str
     env = make_vec_env(**SETTINGS)
     teacher = QMIX("TaskPolicy", env, seed=1, buffer_size=10).policy.freeze()
     student = QMIX("TaskPolicy", env, seed=2, buffer_size=10, policy_kwargs=widths).policy
-    lesson = teach(teacher, student, env, steps=96, epsilon=0.2, seed=0)
+    lesson = teach(teacher, env, steps=96, epsilon=0.2, seed=0)
     first: Any = env.reset()
     obs = {key: value.copy() for key, value in first.items()}
     before = (student.greedy(obs) == teacher.act(obs)).mean()
     losses = learn_from([lesson], student, updates=150, batch_size=32, tau=0.01, seed=0)
 
-    assert len(lesson.replay) == 96
+    assert len(lesson.pages) == 96
     assert np.mean(losses[-20:]) < 0.3 * losses[0]
     assert (student.greedy(obs) == teacher.act(obs)).mean() > max(0.8, before)
     targets = student.agent_target.state_dict()
@@ -79,7 +79,7 @@ def test_a_student_of_any_widths_comes_to_choose_as_its_teacher(widths: dict[str
 def test_two_teachers_have_equal_parts() -> None:
     env = make_vec_env(**SETTINGS)
     students = [QMIX("TaskPolicy", env, seed=seed, buffer_size=10).policy for seed in (1, 2, 3)]
-    lessons = [teach(one.freeze(), students[2], env, 48, 0.0, seed=0) for one in students[:2]]
+    lessons = [teach(one.freeze(), env, 48, 0.0, seed=0) for one in students[:2]]
     losses = learn_from(lessons, students[2], updates=3, batch_size=8, tau=0.1)
     alone = learn_from(lessons[:1], students[2], updates=1, batch_size=8, tau=0.1)
 
@@ -92,7 +92,7 @@ def test_the_same_seed_gives_the_same_student() -> None:
         env = make_vec_env(**SETTINGS)
         teacher = QMIX("TaskPolicy", env, seed=1, buffer_size=10).policy.freeze()
         student = QMIX("TaskPolicy", env, seed=2, buffer_size=10).policy
-        learn_from([teach(teacher, student, env, 48, 0.1, seed=4)], student, updates=5, batch_size=8, seed=4)
+        learn_from([teach(teacher, env, 48, 0.1, seed=4)], student, updates=5, batch_size=8, seed=4)
         return student.agent.state_dict()["value.weight"]
 
     assert torch.equal(weights(), weights())

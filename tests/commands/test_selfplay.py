@@ -20,6 +20,8 @@ FEW = (
     "1",
     "--iterations",
     "1",
+    "--school-rounds",
+    "0",
     "--games",
     "2",
     "--trial-games",

@@ -20,6 +20,7 @@ from hexwar_sb3.experiments.table1_page import PAPER, bar, in_words, missed, no_
 from hexwar_sb3.league.distil import Lessons
 from hexwar_sb3.league.heir import DISTILLED
 from hexwar_sb3.league.member import as_member
+from hexwar_sb3.league.school import School
 from hexwar_sb3.league.settings import LeagueSettings
 
 WINS = {"HRL0": 2, "HRL1": 3, "HRL2": 3, "CAI": 4, DISTILLED: 1}  # of 4 games as red; as blue the same
@@ -60,7 +61,7 @@ def pipeline(tmp_path: Path) -> Table1:
     """A pipeline of a minute, whose warm-ups are there."""
     places = Places(tmp_path / "results", tmp_path / "work")
     settings = LeagueSettings(
-        keep=2, iterations=1, games=4, rounds=1, refit_games=1, trial_games=1, match_games=2, warm_up_games=2, n_envs=2,
+        school_rounds=0, keep=2, iterations=1, games=4, rounds=1, refit_games=1, trial_games=1, match_games=2, warm_up_games=2, n_envs=2,
         learner={"learning_starts": 0, "buffer_size": 200, "batch_size": 8},
     )  # fmt: skip
     lessons = Lessons(games=2, updates=5, batch_size=8)
@@ -69,7 +70,7 @@ def pipeline(tmp_path: Path) -> Table1:
         seeds=(0, 1),
         settings=settings,
         lessons=lessons,
-        heir_games=4,
+        school=School(lessons=lessons, rounds=1, trials=((1, 1),)),
         games=2,
         progress_games=2,
     )

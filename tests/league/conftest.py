@@ -14,6 +14,7 @@ from hexwar_sb3.league.member import as_member
 from hexwar_sb3.league.settings import LeagueSettings
 
 TINY: dict[str, Any] = {
+    "school_rounds": 0,
     "keep": 2,
     "iterations": 2,
     "games": 4,
@@ -48,5 +49,14 @@ def tiny() -> LeagueSettings:
 def whole(tmp_path_factory: pytest.TempPathFactory, starters: dict[str, Path]) -> League:
     """A league that was never broken off."""
     league = League.create(tmp_path_factory.mktemp("whole"), LeagueSettings(**TINY), starters)
+    league.run()
+    return league
+
+
+@pytest.fixture(scope="session")
+def schooled(tmp_path_factory: pytest.TempPathFactory, starters: dict[str, Path]) -> League:
+    """A league of one group an iteration, with school."""
+    small = {"keep": 1, "school_rounds": 1, "school_games": 1, "school_updates": 2, "school_trials": (1,)}
+    league = League.create(tmp_path_factory.mktemp("schooled"), LeagueSettings(**{**TINY, **small}), starters)
     league.run()
     return league

@@ -69,6 +69,44 @@ def test_versions_are_judged_by_the_first_and_the_latest_best_and_by_bots(whole:
     assert len(whole.panel(1, "blue")) == 4  # the first best is the latest
 
 
+def test_models_go_to_school_against_their_partner_the_ends_of_the_past_and_bots(schooled: League) -> None:
+    spec = schooled.specs(2)[0]
+    for camp, enemy in (("red", "blue"), ("blue", "red")):
+        first, latest = (str(schooled.kept(k)[enemy][0].folder) for k in (0, 1))
+        assert [one.opponent for one in spec.classes[camp]] == [latest, first, "MA1", "MA2", "all-main"]
+        assert [one.weight for one in spec.classes[camp]] == pytest.approx([0.35, 0.15, *[0.5 / 3] * 3])
+        elders = {spec.members[camp].folder, schooled.kept(0)[camp][0].folder}
+        assert {one.teacher for one in spec.classes[camp]} <= elders
+
+
+def test_searches_are_as_many_as_models_and_opponents(schooled: League) -> None:
+    found = schooled.searches(2)
+
+    assert {key: len(searches) for key, searches in found.items()} == {
+        (camp, schooled.kept(1)[camp][0].name): 5 for camp in ("red", "blue")
+    }
+    assert all(one.file.is_file() for searches in found.values() for one in searches.values())
+    costs = json.loads((schooled.iteration(2) / "cost.json").read_text())
+    assert {"school", "groups", "round robin"} <= costs.keys()
+
+
+def test_a_league_with_school_goes_on_where_it_was_stopped(schooled: League, tmp_path: Path) -> None:
+    shutil.copytree(schooled.folder, tmp_path / "copy")
+    league, again = League.open(tmp_path / "copy"), schooled.iteration(2).name
+    shutil.rmtree(tmp_path / "copy" / again / "groups")
+    (tmp_path / "copy" / again / "table.json").unlink()
+    shutil.rmtree(tmp_path / "copy" / again / "matches")
+    next((tmp_path / "copy" / again / "school").rglob("*.json")).unlink()
+    league.run()
+
+    assert contents(tmp_path / "copy") == contents(schooled.folder)
+
+
+def test_without_school_nobody_searches(whole: League) -> None:
+    assert not list(whole.folder.rglob("school"))
+    assert whole.specs(1)[0].classes == {"red": [], "blue": []}
+
+
 def test_the_learning_rate_falls_from_iteration_to_iteration(whole: League) -> None:
     rates = [whole.learner(4, k)["learning_rate"] for k in (1, 2, 3)]
 
