@@ -15,15 +15,13 @@ from torch import Tensor, nn
 
 from hexwar_sb3.algorithms.exploration import random_tasks
 from hexwar_sb3.errors import ConfigError
+from hexwar_sb3.play.frozen import FrozenPolicy
 from hexwar_sb3.policies.task_policy import TaskPolicy
 from hexwar_sb3.policies.task_sets import TaskSets
 
 
 class Teacher(Protocol):
-    """Plays, and says what it thinks of every task: a `FrozenPolicy`, or one led by an order (`LedPolicy`)."""
-
-    def act(self, obs: Mapping[str, NDArray[Any]]) -> NDArray[np.int64]:
-        """Task indices [B, N]."""
+    """Says what it thinks of every task, and plays the best: a `FrozenPolicy`, or one led by an order (`LedPolicy`)."""
 
     def q_values(self, obs: Mapping[str, NDArray[Any]]) -> NDArray[np.float32]:
         """Q of every task [B, N, K], in scaled points."""
@@ -65,7 +63,7 @@ class Lesson:
 
 
 def teach(
-    teacher: Teacher, env: VecEnv, steps: int, epsilon: float, seed: int, actor: Teacher | None = None
+    teacher: Teacher, env: VecEnv, steps: int, epsilon: float, seed: int, actor: FrozenPolicy | None = None
 ) -> Lesson:
     """Play, and remember what a teacher thinks of all that was met.
 
@@ -82,8 +80,9 @@ def teach(
     obs: Any = env.reset()
     lesson = Lesson()
     for _ in range(-(-steps // env.num_envs)):
-        lesson.add(obs, teacher.q_values(obs))
-        tasks = (actor or teacher).act(obs)
+        values = teacher.q_values(obs)
+        lesson.add(obs, values)
+        tasks = values.argmax(axis=2) if actor is None else actor.act(obs)
         strays = rng.random(tasks.shape) < epsilon
         obs, _, _, _ = env.step(np.where(strays, random_tasks(obs["action_mask"] != 0, rng), tasks))
     return lesson

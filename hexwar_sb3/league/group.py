@@ -8,14 +8,11 @@ from pathlib import Path
 from typing import Any
 
 from hexwar_sb3.algorithms.qmix import QMIX
-from hexwar_sb3.envs.registration import make_vec_env
 from hexwar_sb3.evaluation.panel import Terms
-from hexwar_sb3.evaluation.seeds import Purpose, seed_for
 from hexwar_sb3.league.cost import measured
 from hexwar_sb3.league.judge import Judge
 from hexwar_sb3.league.member import CAMPS, Member, making
-from hexwar_sb3.league.school import Class, School, attend
-from hexwar_sb3.league.work import Opponents, env_steps, job_seed, one_thread
+from hexwar_sb3.league.work import Opponents, begin, env_steps, job_seed, one_thread
 
 PAIRS = (CAMPS, CAMPS[::-1])  # who learns, and who is met
 
@@ -27,9 +24,7 @@ class GroupSpec:
     members: Mapping[str, Member]  # by camp: who trains
     others: Mapping[str, Opponents]  # by camp: whom the model of that camp meets beside its partner
     partner_share: float  # of the games, against the partner as it is now
-    school: School  # that they go to first
-    classes: Mapping[str, Sequence[Class]]  # by camp: of that school
-    games: int  # that a model then learns from by itself
+    games: int  # that a model learns from
     rounds: int  # parts of them; after each a version is judged
     refit_games: int  # before them, in which the mixer alone learns: it is new, and the replay is empty
     panels: Mapping[str, Sequence[object]]  # by camp: whom its versions are judged against
@@ -61,14 +56,13 @@ def train_group(spec: GroupSpec) -> None:
 
 
 def _train(spec: GroupSpec) -> dict[str, Judge]:
-    """Let red and blue go to school, then learn in turn; by camp, who knows the best version."""
-    models = {camp: _start(spec, camp) for camp in CAMPS}
+    """Let red and blue learn in turn; by camp, who knows the best version."""
+    models = {}
+    for camp in CAMPS:
+        env = {**spec.env, "side": camp, "opponent": list(spec.others[camp]) or "MA1"}
+        seed = job_seed(*spec.seed, CAMPS.index(camp))
+        models[camp] = begin(spec.members[camp].policy(), env, spec.learner, seed)
     judges = {camp: Judge(camp, spec.panels[camp], spec.trial, spec.about) for camp in CAMPS}
-    for camp, model in models.items():
-        if spec.classes[camp]:
-            seed = job_seed(*spec.seed, len(CAMPS) + CAMPS.index(camp))
-            attend(model, spec.classes[camp], {**spec.env, "side": camp}, spec.school, seed)
-            judges[camp].see(model)
     for camp, other in PAIRS:
         _meet(models[camp], models[other], spec, camp)
         models[camp].refit_mixer(env_steps(spec.env, spec.refit_games))
@@ -79,23 +73,6 @@ def _train(spec: GroupSpec) -> dict[str, Judge]:
             models[camp].learn(steps, reset_num_timesteps=False)
             judges[camp].see(models[camp])
     return judges
-
-
-def _start(spec: GroupSpec, camp: str) -> QMIX:
-    """Make the learner of a camp, where its member left off."""
-    member, seed = spec.members[camp], job_seed(*spec.seed, CAMPS.index(camp))
-    policy = member.policy()
-    env = make_vec_env(
-        "HexWarTask-v0",
-        seed=seed_for(Purpose.TRAINING, seed),
-        side=camp,
-        opponent=list(spec.others[camp]) or "MA1",
-        lower=policy.lower,
-        **spec.env,
-    )
-    model = QMIX("TaskPolicy", env, seed=seed, **spec.learner)
-    model.take_over(policy)
-    return model
 
 
 def _meet(model: QMIX, partner: QMIX, spec: GroupSpec, camp: str) -> None:

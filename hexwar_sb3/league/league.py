@@ -2,7 +2,7 @@
 
 * `league.json`: settings, and what the figures depend on.
 * `iteration_00/models/NAME/`: the models that it began with; `iteration_00/table.json`: how they did against the bots.
-* `iteration_03/school/red/2-r1b1/0.json`: who teaches this model, of those that were kept, against the first opponent.
+* `iteration_03/school/red/2-r1b1/`: who teaches this model, of those that were kept, against each opponent; what it learned.
 * `iteration_03/groups/3-r0b2/red/`: what iteration 3 made of the best red model in the group with the third best blue.
 * `iteration_03/table.json`: the round robin of all of them, who was kept, and whom they come from.
 """
@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import re
 import shutil
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, fields, replace
 from pathlib import Path
 from typing import Any
@@ -26,7 +26,7 @@ from hexwar_sb3.league.cost import measured
 from hexwar_sb3.league.files import read_json, write_json
 from hexwar_sb3.league.group import GroupSpec, train_group
 from hexwar_sb3.league.member import CAMPS, Member, clear_unfinished
-from hexwar_sb3.league.school import Class, Search, read_class, search
+from hexwar_sb3.league.school import Pupil, Search, go_to_school, read_class, search
 from hexwar_sb3.league.selection import play_all, select, standings
 from hexwar_sb3.league.settings import EXPLORING_SHARE, LEARNER, LeagueSettings
 from hexwar_sb3.league.work import Opponents, env_settings, env_steps, job_seed
@@ -190,8 +190,7 @@ class League:
             if not self.is_done(k):
                 if self.settings.school_rounds:
                     with measured(self.iteration(k), "school", jobs):
-                        searches = [one for found in self.searches(k).values() for one in found.values()]
-                        run_jobs(search, [one for one in searches if not one.file.exists()], jobs, "teacher")
+                        self._hold_school(k, jobs)
                 with measured(self.iteration(k), "groups", jobs):
                     self._train_groups(k, jobs)
                 with measured(self.iteration(k), "round robin", jobs):
@@ -210,6 +209,11 @@ class League:
             table = play_all(red, blue, terms, self.iteration(0) / "matches" / camp, jobs=jobs)
             rows[camp], kept[camp] = standings(table, camp), select(table, self.settings.keep)[camp]
         write_json(self.table(0), {"iteration": 0, "kept": kept, "standings": rows})
+
+    def _hold_school(self, k: int, jobs: int) -> None:
+        searches = [one for found in self.searches(k).values() for one in found.values()]
+        run_jobs(search, [one for one in searches if not one.file.exists()], jobs, "teacher")
+        run_jobs(go_to_school, [one for one in self.pupils(k) if not one.folder.is_dir()], jobs, "pupil")
 
     def _train_groups(self, k: int, jobs: int) -> None:
         run_jobs(train_group, [spec for spec in self.specs(k) if not spec.folder.is_dir()], jobs, "group")
@@ -239,37 +243,61 @@ class League:
                 }
         return found
 
-    def _classes(self, found: Mapping[str, Search], panel: Sequence[object], partner: Member) -> list[Class]:
-        """Of a group's school: against the partner, the enemy's first and latest best, and bots."""
-        settings = self.settings
-        ends = [one for one in panel if one not in settings.bots]
-        bots_share = 1.0 - settings.partner_share - settings.past_share
-        weights = {str(partner.folder): settings.partner_share}
-        for players, share in ((ends, settings.past_share), (settings.bots, bots_share)):
-            for player in players:
-                weights[str(player)] = weights.get(str(player), 0.0) + share / len(players)
-        return [read_class(found[name], weight) for name, weight in weights.items() if weight > 0]
+    def pupils(self, k: int) -> list[Pupil]:
+        """Models that were kept before iteration k, with their classes: against all that they will meet.
+
+        Raises:
+            FileFormatError: a file of the search for teachers is missing or broken.
+        """
+        settings, kept, searches = self.settings, self.kept(k - 1), self.searches(k)
+        found = []
+        for camp, enemy in (CAMPS, CAMPS[::-1]):
+            ends = [one for one in self.panel(k, camp) if one not in settings.bots]
+            latest = [str(one.folder) for one in kept[enemy]]
+            bots_share = 1.0 - settings.partner_share - settings.past_share
+            weights: dict[str, float] = {}
+            for players, share in (
+                (latest, settings.partner_share),
+                (ends, settings.past_share),
+                (settings.bots, bots_share),
+            ):
+                for player in players:
+                    weights[str(player)] = weights.get(str(player), 0.0) + share / len(players)
+            found += [
+                Pupil(
+                    member=member,
+                    classes=[
+                        read_class(spec, weights[name])
+                        for name, spec in searches[camp, member.name].items()
+                        if weights[name] > 0
+                    ],
+                    school=settings.school,
+                    seed=(settings.seed, k, place, len(CAMPS) + CAMPS.index(camp)),
+                    folder=self._schooled(k, member).folder,
+                    env=self.env(),
+                    learner=self.learner(settings.games, k),
+                    about=self.terms(0, 1).about(),
+                )
+                for place, member in enumerate(kept[camp])
+            ]
+        return found
+
+    def _schooled(self, k: int, member: Member) -> Member:
+        """A model that was kept, as it left the school of iteration k."""
+        return replace(member, folder=self.iteration(k) / "school" / member.camp / member.name / "policy")
 
     def specs(self, k: int) -> list[GroupSpec]:
         """What the groups of an iteration depend on: the models that were kept, and those before them."""
         kept, settings = self.kept(k - 1), self.settings
         others = {camp: self.others(k, camp) for camp in CAMPS}
         panels = {camp: self.panel(k, camp) for camp in CAMPS}
-        searches = self.searches(k) if settings.school_rounds else {}
-
-        def classes(camp: str, member: Member, partner: Member) -> list[Class]:
-            return self._classes(searches[camp, member.name], panels[camp], partner) if searches else []
-
+        if settings.school_rounds:
+            kept = {camp: [self._schooled(k, one) for one in members] for camp, members in kept.items()}
         return [
             GroupSpec(
                 members={"red": kept["red"][i], "blue": kept["blue"][j]},
                 others=others,
                 partner_share=settings.partner_share,
-                school=settings.school,
-                classes={
-                    "red": classes("red", kept["red"][i], kept["blue"][j]),
-                    "blue": classes("blue", kept["blue"][j], kept["red"][i]),
-                },
                 games=settings.games,
                 rounds=settings.rounds,
                 refit_games=settings.refit_games,

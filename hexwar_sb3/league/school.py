@@ -24,8 +24,8 @@ from hexwar_sb3.evaluation.panel import Terms
 from hexwar_sb3.evaluation.seeds import Purpose, seed_for
 from hexwar_sb3.league.distil import Lessons
 from hexwar_sb3.league.files import read_json, write_json
-from hexwar_sb3.league.member import CAMPS, as_member
-from hexwar_sb3.league.work import env_steps, job_seed, one_thread
+from hexwar_sb3.league.member import CAMPS, Member, as_member, making
+from hexwar_sb3.league.work import begin, env_steps, job_seed, one_thread
 from hexwar_sb3.play.frozen import FrozenPolicy
 from hexwar_sb3.play.standing_orders import LedPolicy, StandingOrder, standing_orders
 from hexwar_sb3.rules.enums import Camp
@@ -186,6 +186,35 @@ def _is_order(values: object) -> bool:
     return all(
         type(number) is int and number >= 0 for number in (*pieces, values["spot"], values["ticks_left"])
     )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Pupil:
+    """All that a model's time at school depends on, and the folder that it leaves."""
+
+    member: Member
+    classes: Sequence[Class]
+    school: School
+    seed: tuple[int, ...]  # numbers that name the training
+    folder: Path  # gets the policy
+    env: Mapping[str, Any]  # settings of the task env
+    learner: Mapping[str, Any]  # arguments of QMIX
+    about: Mapping[str, str]  # texts for the policy's folder
+
+
+def go_to_school(spec: Pupil) -> None:
+    """Let a model of a league learn from its teachers: a function of `spec` alone, in any process.
+
+    Raises:
+        PolicyFileError: its folder or a teacher's is broken.
+    """
+    if spec.folder.is_dir():
+        return
+    seed, env = job_seed(*spec.seed), {**spec.env, "side": spec.member.camp}
+    with making(spec.folder) as made, one_thread():
+        student = begin(spec.member.policy(), {**env, "opponent": "MA1"}, spec.learner, seed)
+        attend(student, spec.classes, env, spec.school, seed)
+        as_member(student, side=spec.member.camp, **spec.about).save(made)
 
 
 def attend(

@@ -57,12 +57,14 @@ class LeagueSettings:
 
     iterations: int = 10
     keep: int = 4  # models of each colour that an iteration keeps; keep * keep groups train
-    school_rounds: int = 2  # of lessons, with which a group begins; 0: none, as in the paper
-    school_games: int = 32  # of a round, against each opponent of the school
-    school_updates: int = 500  # of a round
+    school_rounds: int = (
+        3  # of lessons, for the models that were kept, before the groups; 0: none, as in the paper
+    )
+    school_games: int = 64  # of a round, against each opponent of the school
+    school_updates: int = 1_200  # of a round
     school_trials: tuple[int, ...] = (8, 20, 60)  # games in which the teachers against an opponent are found
     games: int = 200  # that each of the two models of a group then learns from by itself
-    rounds: int = 1  # parts of them: red and blue learn in turn
+    rounds: int = 2  # parts of them: red and blue learn in turn
     partner_share: float = 0.2  # of these games against the partner
     past_share: float = 0.3  # against the best of the iterations before; half of them are the very first's
     bots: tuple[str, ...] = ("MA1", "MA2", "all-main")  # the rest is theirs; they play in the round robin too
@@ -106,7 +108,7 @@ class LeagueSettings:
 
     @property
     def school(self) -> School:
-        """Of a group: few games and updates, for there are many groups."""
+        """Of models that were kept."""
         lessons = Lessons(games=self.school_games, epsilon=0.03, updates=self.school_updates)
         trials = tuple(zip(self.school_trials, SURVIVORS, strict=False))
         return School(lessons=lessons, rounds=self.school_rounds, trials=trials)

@@ -1,4 +1,4 @@
-"""What the jobs of a league share: settings of the env, seeds, one thread."""
+"""What the jobs of a league share: how a learner begins, settings of the env, seeds, one thread."""
 
 from __future__ import annotations
 
@@ -9,11 +9,31 @@ from typing import Any
 import numpy as np
 import torch
 
+from hexwar_sb3.algorithms.qmix import QMIX
 from hexwar_sb3.engine.world import load_world
+from hexwar_sb3.envs.registration import make_vec_env
 from hexwar_sb3.evaluation.panel import Terms
-from hexwar_sb3.evaluation.seeds import SEEDS_PER_PURPOSE
+from hexwar_sb3.evaluation.seeds import SEEDS_PER_PURPOSE, Purpose, seed_for
+from hexwar_sb3.play.frozen import FrozenPolicy
 
 Opponents = Sequence[tuple[object, float]]  # player, weight
+
+
+def begin(policy: FrozenPolicy, env: Mapping[str, Any], learner: Mapping[str, Any], seed: int) -> QMIX:
+    """Make a learner that goes on where a policy left off.
+
+    Args:
+        policy: agent network and lower level; a narrower network is widened.
+        env: settings of the task env.
+        learner: arguments of QMIX.
+        seed: of learner and games, in 0..999999.
+    """
+    games = make_vec_env(
+        "HexWarTask-v0", seed=seed_for(Purpose.TRAINING, seed), **{**env, "lower": policy.lower}
+    )
+    model = QMIX("TaskPolicy", games, seed=seed, **learner)
+    model.take_over(policy)
+    return model
 
 
 def env_settings(terms: Terms, n_envs: int) -> dict[str, Any]:

@@ -69,14 +69,21 @@ def test_versions_are_judged_by_the_first_and_the_latest_best_and_by_bots(whole:
     assert len(whole.panel(1, "blue")) == 4  # the first best is the latest
 
 
-def test_models_go_to_school_against_their_partner_the_ends_of_the_past_and_bots(schooled: League) -> None:
-    spec = schooled.specs(2)[0]
-    for camp, enemy in (("red", "blue"), ("blue", "red")):
+def test_models_that_were_kept_go_to_school_against_all_that_they_will_meet(schooled: League) -> None:
+    for pupil, camp, enemy in zip(schooled.pupils(2), ("red", "blue"), ("blue", "red"), strict=True):
         first, latest = (str(schooled.kept(k)[enemy][0].folder) for k in (0, 1))
-        assert [one.opponent for one in spec.classes[camp]] == [latest, first, "MA1", "MA2", "all-main"]
-        assert [one.weight for one in spec.classes[camp]] == pytest.approx([0.35, 0.15, *[0.5 / 3] * 3])
-        elders = {spec.members[camp].folder, schooled.kept(0)[camp][0].folder}
-        assert {one.teacher for one in spec.classes[camp]} <= elders
+        assert pupil.member == schooled.kept(1)[camp][0]
+        assert [one.opponent for one in pupil.classes] == [latest, first, "MA1", "MA2", "all-main"]
+        assert [one.weight for one in pupil.classes] == pytest.approx([0.35, 0.15, *[0.5 / 3] * 3])
+        elders = {pupil.member.folder, schooled.kept(0)[camp][0].folder}
+        assert {one.teacher for one in pupil.classes} <= elders
+
+
+def test_groups_begin_with_what_was_learned_at_school(schooled: League) -> None:
+    spec = schooled.specs(2)[0]
+    for pupil, camp in zip(schooled.pupils(2), ("red", "blue"), strict=True):
+        assert spec.members[camp].folder == pupil.folder
+        assert spec.members[camp].policy().sha256 != pupil.member.policy().sha256
 
 
 def test_searches_are_as_many_as_models_and_opponents(schooled: League) -> None:
@@ -96,7 +103,9 @@ def test_a_league_with_school_goes_on_where_it_was_stopped(schooled: League, tmp
     shutil.rmtree(tmp_path / "copy" / again / "groups")
     (tmp_path / "copy" / again / "table.json").unlink()
     shutil.rmtree(tmp_path / "copy" / again / "matches")
-    next((tmp_path / "copy" / again / "school").rglob("*.json")).unlink()
+    school = tmp_path / "copy" / again / "school"
+    next(school.glob("red/*/*.json")).unlink()
+    shutil.rmtree(next(school.glob("blue/*/policy")))
     league.run()
 
     assert contents(tmp_path / "copy") == contents(schooled.folder)
@@ -104,7 +113,7 @@ def test_a_league_with_school_goes_on_where_it_was_stopped(schooled: League, tmp
 
 def test_without_school_nobody_searches(whole: League) -> None:
     assert not list(whole.folder.rglob("school"))
-    assert whole.specs(1)[0].classes == {"red": [], "blue": []}
+    assert whole.specs(2)[0].members["red"] == whole.kept(1)["red"][0]
 
 
 def test_the_learning_rate_falls_from_iteration_to_iteration(whole: League) -> None:
@@ -214,7 +223,7 @@ def test_two_processes_make_the_same_league_as_one(
 
 
 def test_a_finished_league_plays_nothing_again(whole: League, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(group, "make_vec_env", None)
+    monkeypatch.setattr(group, "begin", None)
     done: list[int] = []
     whole.run(after=done.append)
 
