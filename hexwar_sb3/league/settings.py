@@ -109,7 +109,7 @@ class LeagueSettings:
     @property
     def school(self) -> School:
         """Of models that were kept."""
-        lessons = Lessons(games=self.school_games, epsilon=0.03, updates=self.school_updates)
+        lessons = Lessons(games=self.school_games, epsilon=0.03, updates=self.school_updates, batch_size=64)
         trials = tuple(zip(self.school_trials, SURVIVORS, strict=False))
         return School(lessons=lessons, rounds=self.school_rounds, trials=trials)
 
