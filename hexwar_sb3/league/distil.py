@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from hexwar_sb3.algorithms.distillation import learn_from, teach
+from hexwar_sb3.algorithms.distillation import Lesson, learn_from, teach
 from hexwar_sb3.algorithms.qmix import QMIX
 from hexwar_sb3.checks import check_whole
 from hexwar_sb3.envs.registration import make_vec_env
@@ -15,6 +15,7 @@ from hexwar_sb3.errors import ConfigError
 from hexwar_sb3.evaluation.seeds import Purpose, seed_for
 from hexwar_sb3.league.work import env_steps, job_seed, one_thread
 from hexwar_sb3.play.frozen import FrozenPolicy
+from hexwar_sb3.policies.task_policy import TaskPolicy
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -40,6 +41,21 @@ class Lessons:
         for name in ("tau", "learning_rate"):
             if not 0.0 < getattr(self, name) < float("inf"):
                 raise ConfigError(f"{name} must be finite and above 0, got {getattr(self, name)}")
+
+    def study(
+        self, met: Sequence[Lesson], student: TaskPolicy, seed: int, weights: Sequence[float] | None = None
+    ) -> list[float]:
+        """Let a student learn from what was met, as these settings say; the loss of every update."""
+        return learn_from(
+            met,
+            student,
+            updates=self.updates,
+            batch_size=self.batch_size,
+            tau=self.tau,
+            learning_rate=self.learning_rate,
+            weights=weights,
+            seed=seed,
+        )
 
 
 def distill(
@@ -74,12 +90,4 @@ def distill(
             steps = env_steps(vars(settings), lessons.games)
             met.append(teach(teacher, games, steps, lessons.epsilon, own))
         student.lead_with(teachers[0].lower)
-        return learn_from(
-            met,
-            student.policy,
-            updates=lessons.updates,
-            batch_size=lessons.batch_size,
-            tau=lessons.tau,
-            learning_rate=lessons.learning_rate,
-            seed=seed,
-        )
+        return lessons.study(met, student.policy, seed)

@@ -4,21 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
-from typing import Any
 
 from hexwar_sb3.algorithms.qmix import QMIX
 from hexwar_sb3.evaluation.panel import Terms
 from hexwar_sb3.league.cost import measured
 from hexwar_sb3.league.judge import Judge
 from hexwar_sb3.league.member import CAMPS, Member, making
-from hexwar_sb3.league.work import Opponents, begin, env_steps, job_seed, one_thread
+from hexwar_sb3.league.work import Opponents, Training, begin, env_steps, job_seed, one_thread
 
 PAIRS = (CAMPS, CAMPS[::-1])  # who learns, and who is met
 
 
 @dataclass(frozen=True, kw_only=True)
-class GroupSpec:
+class GroupSpec(Training):
     """All that the training of a group depends on: in each part first red and then blue learns; leaves red/ and blue/."""
 
     members: Mapping[str, Member]  # by camp: who trains
@@ -29,11 +27,6 @@ class GroupSpec:
     refit_games: int  # before them, in which the mixer alone learns: it is new, and the replay is empty
     panels: Mapping[str, Sequence[object]]  # by camp: whom its versions are judged against
     trial: Terms  # of a version's games against each of its panel
-    seed: tuple[int, ...]  # numbers that name the training
-    folder: Path  # gets the policies
-    env: Mapping[str, Any]  # settings of the task env
-    learner: Mapping[str, Any]  # arguments of QMIX
-    about: Mapping[str, str]  # texts for the policies' folders
 
     @property
     def steps(self) -> int:

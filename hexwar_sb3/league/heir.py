@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
-from pathlib import Path
-from typing import Any
 
 from hexwar_sb3.algorithms.qmix import QMIX
 from hexwar_sb3.envs.registration import make_vec_env
@@ -17,13 +15,13 @@ from hexwar_sb3.league.files import write_json
 from hexwar_sb3.league.judge import Judge
 from hexwar_sb3.league.member import CAMPS, Member, as_member, making
 from hexwar_sb3.league.school import Class, School, attend, best_teacher, name_of
-from hexwar_sb3.league.work import Opponents, job_seed, one_thread
+from hexwar_sb3.league.work import Opponents, Training, job_seed, one_thread
 
 DISTILLED, LEARNED = "distilled", "learned"  # folders of the two stages
 
 
 @dataclass(frozen=True, kw_only=True)
-class HeirSpec:
+class HeirSpec(Training):
     """All that the making of an heir depends on; leaves distilled/ and learned/."""
 
     camp: str
@@ -34,11 +32,6 @@ class HeirSpec:
     opponents: Opponents  # of the teachers' games, and of the school's lessons
     panel: Sequence[object]  # whom its versions are judged against
     trial: Terms  # of a version's games against each of its panel
-    seed: tuple[int, ...]  # numbers that name the training
-    folder: Path  # gets the policies
-    env: Mapping[str, Any]  # settings of the task env
-    learner: Mapping[str, Any]  # arguments of QMIX
-    about: Mapping[str, str]  # texts for the policies' folders
 
 
 def make_heir(spec: HeirSpec) -> None:

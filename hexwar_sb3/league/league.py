@@ -213,7 +213,10 @@ class League:
     def _hold_school(self, k: int, jobs: int) -> None:
         searches = [one for found in self.searches(k).values() for one in found.values()]
         run_jobs(search, [one for one in searches if not one.file.exists()], jobs, "teacher")
-        run_jobs(go_to_school, [one for one in self.pupils(k) if not one.folder.is_dir()], jobs, "pupil")
+        pupils = self.pupils(k)
+        run_jobs(go_to_school, [one for one in pupils if not one.folder.is_dir()], jobs, "pupil")
+        for one in pupils:
+            clear_unfinished(one.folder.parent)
 
     def _train_groups(self, k: int, jobs: int) -> None:
         run_jobs(train_group, [spec for spec in self.specs(k) if not spec.folder.is_dir()], jobs, "group")

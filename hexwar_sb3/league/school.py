@@ -13,7 +13,7 @@ from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path, PurePath
 from typing import Any
 
-from hexwar_sb3.algorithms.distillation import Lesson, learn_from, teach
+from hexwar_sb3.algorithms.distillation import Lesson, teach
 from hexwar_sb3.algorithms.qmix import QMIX
 from hexwar_sb3.checks import check_whole
 from hexwar_sb3.engine.records import MAX_SIDE
@@ -25,7 +25,7 @@ from hexwar_sb3.evaluation.seeds import Purpose, seed_for
 from hexwar_sb3.league.distil import Lessons
 from hexwar_sb3.league.files import read_json, write_json
 from hexwar_sb3.league.member import CAMPS, Member, as_member, making
-from hexwar_sb3.league.work import begin, env_steps, job_seed, one_thread
+from hexwar_sb3.league.work import Training, begin, env_steps, job_seed, one_thread
 from hexwar_sb3.play.frozen import FrozenPolicy
 from hexwar_sb3.play.standing_orders import LedPolicy, StandingOrder, standing_orders
 from hexwar_sb3.rules.enums import Camp
@@ -189,17 +189,12 @@ def _is_order(values: object) -> bool:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Pupil:
+class Pupil(Training):
     """All that a model's time at school depends on, and the folder that it leaves."""
 
     member: Member
     classes: Sequence[Class]
     school: School
-    seed: tuple[int, ...]  # numbers that name the training
-    folder: Path  # gets the policy
-    env: Mapping[str, Any]  # settings of the task env
-    learner: Mapping[str, Any]  # arguments of QMIX
-    about: Mapping[str, str]  # texts for the policy's folder
 
 
 def go_to_school(spec: Pupil) -> None:
@@ -251,14 +246,5 @@ def attend(
         for k, teacher in enumerate(teachers):
             met = teach(teacher, games[k], steps, lessons.epsilon, job_seed(seed, part, k), actor)
             learned[k].pages.extend(met.pages)
-        learn_from(
-            learned,
-            student.policy,
-            updates=lessons.updates,
-            batch_size=lessons.batch_size,
-            tau=lessons.tau,
-            learning_rate=lessons.learning_rate,
-            weights=[one.weight for one in classes],
-            seed=job_seed(seed, part),
-        )
+        lessons.study(learned, student.policy, job_seed(seed, part), [one.weight for one in classes])
         see(student)

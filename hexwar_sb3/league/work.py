@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -17,6 +19,17 @@ from hexwar_sb3.evaluation.seeds import SEEDS_PER_PURPOSE, Purpose, seed_for
 from hexwar_sb3.play.frozen import FrozenPolicy
 
 Opponents = Sequence[tuple[object, float]]  # player, weight
+
+
+@dataclass(frozen=True, kw_only=True)
+class Training:
+    """What every training of a league depends on, and the folder that it leaves."""
+
+    seed: tuple[int, ...]  # numbers that name it
+    folder: Path  # gets the policies
+    env: Mapping[str, Any]  # settings of the task env
+    learner: Mapping[str, Any]  # arguments of QMIX
+    about: Mapping[str, str]  # texts for the policies' folders
 
 
 def begin(policy: FrozenPolicy, env: Mapping[str, Any], learner: Mapping[str, Any], seed: int) -> QMIX:
