@@ -26,7 +26,8 @@ class GroupedSelfPlayCallback(BaseCallback):
     The model as it is when `learn` begins is one of the models that the league begins with; further ones may be given,
     as the paper has several from "different random processes". When the league is over, the model has the weights of
     the best model of its camp (of red's, where its env plays both), and `champions` has the best of both. The env
-    steps of the league count as the model's: `learn(1)` returns after it, a larger number learns on.
+    steps of the league count as the model's: `learn(1)` returns after it, a larger number learns on. The mixer stays
+    the model's own, which knows nothing of the champion: fit it again (`QMIX.refit_mixer`) before learning on.
 
     The folder is the state: the same call goes on where a league was stopped, and ends the same.
 

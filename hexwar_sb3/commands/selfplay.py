@@ -33,7 +33,7 @@ class SelfPlay:
     output: Path = Path("league")  # folder of the league
     iterations: int = 10  # of training, round robin and selection
     keep: int = 4  # models of each colour that are kept; keep * keep groups train
-    school_rounds: int = 3  # of lessons, for the models that were kept; 0: none, as in the paper
+    school_rounds: int = 1  # of lessons, for the models that were kept; 0: none, as in the paper
     games: int = 200  # that each of the two models of a group then learns from by itself
     trial_games: int = 60  # of a version of a model against each of its panel; the best version is kept
     match_games: int = 50  # of each pairing in the round robin

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 
 from hexwar_sb3.algorithms.qmix import QMIX
 from hexwar_sb3.envs.registration import make_vec_env
@@ -11,10 +11,9 @@ from hexwar_sb3.evaluation.panel import Terms
 from hexwar_sb3.evaluation.seeds import Purpose, seed_for
 from hexwar_sb3.league.cost import measured
 from hexwar_sb3.league.distil import Lessons, distill
-from hexwar_sb3.league.files import write_json
 from hexwar_sb3.league.judge import Judge
 from hexwar_sb3.league.member import CAMPS, Member, as_member, making
-from hexwar_sb3.league.school import Class, School, attend, best_teacher, name_of
+from hexwar_sb3.league.school import School, Search, attend, best_plan, search
 from hexwar_sb3.league.work import Opponents, Training, job_seed, one_thread
 
 DISTILLED, LEARNED = "distilled", "learned"  # folders of the two stages
@@ -26,7 +25,7 @@ class HeirSpec(Training):
 
     camp: str
     teachers: tuple[Member, ...]  # who are distilled
-    elders: tuple[Member, ...]  # who teach at school, too, where they are better than the student
+    elders: tuple[Member, ...]  # one of whom teaches at school if its plan is better than the student's own
     lessons: Lessons
     school: School
     opponents: Opponents  # of the teachers' games, and of the school's lessons
@@ -55,11 +54,18 @@ def make_heir(spec: HeirSpec) -> None:
         as_member(student, side=spec.camp, **about).save(made / DISTILLED)
         judge = Judge(spec.camp, spec.panel, spec.trial, about)
         judge.see(student)
-        elders, classes, found = [made / DISTILLED, *(member.folder for member in spec.elders)], [], []
-        for opponent, weight in spec.opponents:
-            best = best_teacher(elders, opponent, spec.camp, spec.school, spec.trial)
-            found.append({"opponent": name_of(opponent), **asdict(best)})
-            classes.append(Class(elders[best.elder], best.order, opponent, weight))
-        write_json(made / "school.json", {"classes": found})
-        attend(student, classes, env, spec.school, seed, judge.see)
+        searches = [
+            Search(
+                policy=elder,
+                opponents=spec.opponents,
+                planning=spec.school.planning,
+                terms=spec.trial,
+                file=made / f"plan_{k}.json",
+            )
+            for k, elder in enumerate((Member(spec.camp, DISTILLED, made / DISTILLED), *spec.elders))
+        ]
+        for one in searches:
+            search(one)
+        elder, plan = best_plan(searches)
+        attend(student, elder.policy(), plan, spec.opponents, env, spec.school, seed, judge.see)
         judge.save(made / LEARNED)

@@ -2,7 +2,7 @@
 
 * `league.json`: settings, and what the figures depend on.
 * `iteration_00/models/NAME/`: the models that it began with; `iteration_00/table.json`: how they did against the bots.
-* `iteration_03/school/red/2-r1b1/`: who teaches this model, of those that were kept, against each opponent; what it learned.
+* `iteration_03/school/red/2-r1b1.json`: the plan of this model, of those that were kept; beside it what it learned of it.
 * `iteration_03/groups/3-r0b2/red/`: what iteration 3 made of the best red model in the group with the third best blue.
 * `iteration_03/table.json`: the round robin of all of them, who was kept, and whom they come from.
 """
@@ -26,7 +26,7 @@ from hexwar_sb3.league.cost import measured
 from hexwar_sb3.league.files import read_json, write_json
 from hexwar_sb3.league.group import GroupSpec, train_group
 from hexwar_sb3.league.member import CAMPS, Member, clear_unfinished
-from hexwar_sb3.league.school import Pupil, Search, go_to_school, read_class, search
+from hexwar_sb3.league.school import Pupil, Search, go_to_school, search
 from hexwar_sb3.league.selection import play_all, select, standings
 from hexwar_sb3.league.settings import EXPLORING_SHARE, LEARNER, LeagueSettings
 from hexwar_sb3.league.work import Opponents, env_settings, env_steps, job_seed
@@ -34,6 +34,7 @@ from hexwar_sb3.play.frozen import FrozenPolicy
 from hexwar_sb3.play.player import make_player
 
 FORMAT = "hexwar league 1"
+FIRST = ".first"  # file of the plan of the very first best; no model is called like that
 NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]{0,79}")
 Generation = dict[str, list[Member]]  # by camp, the best first
 
@@ -211,83 +212,68 @@ class League:
         write_json(self.table(0), {"iteration": 0, "kept": kept, "standings": rows})
 
     def _hold_school(self, k: int, jobs: int) -> None:
-        searches = [one for found in self.searches(k).values() for one in found.values()]
-        run_jobs(search, [one for one in searches if not one.file.exists()], jobs, "teacher")
-        pupils = self.pupils(k)
-        run_jobs(go_to_school, [one for one in pupils if not one.folder.is_dir()], jobs, "pupil")
-        for one in pupils:
-            clear_unfinished(one.folder.parent)
+        searches = {one.file: one for found in self.searches(k).values() for one in found}
+        run_jobs(search, [one for one in searches.values() if not one.file.exists()], jobs, "plan")
+        run_jobs(go_to_school, [one for one in self.pupils(k) if not one.folder.is_dir()], jobs, "pupil")
+        for camp in CAMPS:
+            clear_unfinished(self.iteration(k) / "school" / camp)
 
     def _train_groups(self, k: int, jobs: int) -> None:
         run_jobs(train_group, [spec for spec in self.specs(k) if not spec.folder.is_dir()], jobs, "group")
         clear_unfinished(self.iteration(k) / "groups")
 
-    def searches(self, k: int) -> dict[tuple[str, str], dict[str, Search]]:
-        """Searches for the teachers of iteration k, by camp and name of a model that was kept, then by opponent.
+    def searches(self, k: int) -> dict[tuple[str, str], list[Search]]:
+        """Searches for plans of iteration k, by camp and name of a model that was kept: its own, and the very first best's.
 
-        The opponents are the enemies that were kept, the enemy's first best, and bots. Beside the model led by an order,
-        the first best of its own colour may teach.
+        The opponents are those that its games will be against: the enemies that were kept, the enemy's first best, and bots.
         """
-        kept, first = self.kept(k - 1), self.kept(0)
+        settings, kept, first = self.settings, self.kept(k - 1), self.kept(0)
+        place, terms = self.iteration(k) / "school", self.terms(k, 1)
         found = {}
         for camp, enemy in (CAMPS, CAMPS[::-1]):
-            opponents = [*(str(one.folder) for one in kept[enemy]), *self.panel(k, camp)]
+            ends = [one for one in self.panel(k, camp) if one not in settings.bots]
+            weights: dict[object, float] = {}
+            for players, share in (
+                ([str(one.folder) for one in kept[enemy]], settings.partner_share),
+                (ends, settings.past_share),
+                (settings.bots, settings.bots_share),
+            ):
+                for player in players:
+                    weights[player] = weights.get(player, 0.0) + share / len(players)
+            opponents = [one for one in weights.items() if one[1] > 0]
             for member in kept[camp]:
-                found[camp, member.name] = {
-                    str(opponent): Search(
-                        elders=(member.folder, first[camp][0].folder),
-                        opponent=opponent,
-                        camp=camp,
-                        school=self.settings.school,
-                        terms=self.terms(k, 1),
-                        file=self.iteration(k) / "school" / camp / member.name / f"{n}.json",
+                found[camp, member.name] = [
+                    Search(
+                        policy=policy,
+                        opponents=opponents,
+                        planning=settings.school.planning,
+                        terms=terms,
+                        file=place / camp / f"{name}.json",
                     )
-                    for n, opponent in enumerate(dict.fromkeys(opponents))
-                }
+                    for policy, name in ((member, member.name), (first[camp][0], FIRST))
+                ]
         return found
 
     def pupils(self, k: int) -> list[Pupil]:
-        """Models that were kept before iteration k, with their classes: against all that they will meet.
-
-        Raises:
-            FileFormatError: a file of the search for teachers is missing or broken.
-        """
+        """Models that were kept before iteration k, with the plans that they may learn."""
         settings, kept, searches = self.settings, self.kept(k - 1), self.searches(k)
-        found = []
-        for camp, enemy in (CAMPS, CAMPS[::-1]):
-            ends = [one for one in self.panel(k, camp) if one not in settings.bots]
-            latest = [str(one.folder) for one in kept[enemy]]
-            bots_share = 1.0 - settings.partner_share - settings.past_share
-            weights: dict[str, float] = {}
-            for players, share in (
-                (latest, settings.partner_share),
-                (ends, settings.past_share),
-                (settings.bots, bots_share),
-            ):
-                for player in players:
-                    weights[str(player)] = weights.get(str(player), 0.0) + share / len(players)
-            found += [
-                Pupil(
-                    member=member,
-                    classes=[
-                        read_class(spec, weights[name])
-                        for name, spec in searches[camp, member.name].items()
-                        if weights[name] > 0
-                    ],
-                    school=settings.school,
-                    seed=(settings.seed, k, place, len(CAMPS) + CAMPS.index(camp)),
-                    folder=self._schooled(k, member).folder,
-                    env=self.env(),
-                    learner=self.learner(settings.games, k),
-                    about=self.terms(0, 1).about(),
-                )
-                for place, member in enumerate(kept[camp])
-            ]
-        return found
+        return [
+            Pupil(
+                searches=searches[camp, member.name],
+                school=settings.school,
+                seed=(settings.seed, k, place, len(CAMPS) + CAMPS.index(camp)),
+                folder=self._schooled(k, member).folder,
+                env=self.env(),
+                learner=self.learner(settings.games, k),
+                about=self.terms(0, 1).about(),
+            )
+            for camp in CAMPS
+            for place, member in enumerate(kept[camp])
+        ]
 
     def _schooled(self, k: int, member: Member) -> Member:
         """A model that was kept, as it left the school of iteration k."""
-        return replace(member, folder=self.iteration(k) / "school" / member.camp / member.name / "policy")
+        return replace(member, folder=self.iteration(k) / "school" / member.camp / member.name)
 
     def specs(self, k: int) -> list[GroupSpec]:
         """What the groups of an iteration depend on: the models that were kept, and those before them."""
@@ -333,8 +319,7 @@ class League:
         settings = self.settings
         first, *later = (str(member.folder) for member in self._best_before(k, camp))
         half = settings.past_share / (2 if later else 1)
-        bots_share = 1.0 - settings.partner_share - settings.past_share
-        shares = (([first], half), (later, settings.past_share - half), (settings.bots, bots_share))
+        shares = (([first], half), (later, settings.past_share - half), (settings.bots, settings.bots_share))
         return [
             (player, share / len(players)) for players, share in shares for player in players if share > 0
         ]
@@ -357,7 +342,8 @@ class League:
         table = play_all(
             reds, blues, terms, self.iteration(k) / "matches", bots=self.settings.bots, jobs=jobs
         )
-        rows = {camp: standings(table, camp, self.settings.bots) for camp in CAMPS}
+        bots, share = self.settings.bots, self.settings.bots_share
+        rows = {camp: standings(table, camp, bots, share) for camp in CAMPS}
         before = self.kept(k - 1)
         for camp in CAMPS:
             for row in rows[camp]:
@@ -367,7 +353,7 @@ class League:
         }
         found = {
             "iteration": k,
-            "kept": select(table, self.settings.keep, self.settings.bots),
+            "kept": select(table, self.settings.keep, bots, share),
             "standings": rows,
             "red_win_rates": wins,
         }

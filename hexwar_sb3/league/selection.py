@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from math import sqrt
 from pathlib import Path
 from typing import Any
 
+from hexwar_sb3.evaluation.intervals import CONFIDENCE, normal_quantile
 from hexwar_sb3.evaluation.panel import Terms
 from hexwar_sb3.evaluation.tournament import Meeting, Table, play_meetings
 
@@ -41,24 +43,51 @@ def play_all(
     return play_meetings(meetings, {**reds, **players}, {**blues, **players}, terms, folder, jobs=jobs)
 
 
-def standings(table: Table, camp: str, bots: Sequence[str] = ()) -> list[Standing]:
-    """Models of a colour by their average win rate, the best first; equal ones by margin, then by name."""
-    rows: dict[str, list[Mapping[str, Any]]] = {}
+def standings(table: Table, camp: str, bots: Sequence[str] = (), bots_share: float = 0.0) -> list[Standing]:
+    """Models of a colour by their average win rate, the best first; equal ones by margin, then by name.
+
+    Args:
+        table: of the round robin.
+        camp: "red" or "blue".
+        bots: players of it that are no models.
+        bots_share: of the average; the rest is shared by the models of the other colour.
+    """
+    enemy = "blue" if camp == "red" else "red"
+    rows: dict[str, list[tuple[bool, Mapping[str, Any]]]] = {}
     for meeting, row in table.rows.items():
         if getattr(meeting, camp) not in bots:
-            rows.setdefault(getattr(meeting, camp), []).append(row[camp])
+            is_bot = getattr(meeting, enemy) in bots
+            rows.setdefault(getattr(meeting, camp), []).append((is_bot, row[camp]))
     found = []
     for name, cells in rows.items():
-        rate = table.win_rate(name, camp)
-        margin = sum(cell["mean_margin"] for cell in cells) / len(cells)
-        interval = [rate.low, rate.high]
+        n_bots = sum(is_bot for is_bot, _ in cells)
+        shares = {True: bots_share / max(1, n_bots), False: (1.0 - bots_share) / max(1, len(cells) - n_bots)}
+        total = sum(shares[is_bot] for is_bot, _ in cells)
+        weighted = [(shares[is_bot] / total, cell) for is_bot, cell in cells]
+        rate, margin = (
+            sum(share * cell[key] for share, cell in weighted) for key in ("win_rate", "mean_margin")
+        )
+        error = sqrt(
+            sum(
+                share**2 * cell["win_rate"] * (1.0 - cell["win_rate"]) / cell["games"]
+                for share, cell in weighted
+            )
+        )
+        half = normal_quantile(CONFIDENCE) * error
         found.append(
-            {"name": name, "win_rate": rate.value, "win_rate_interval": interval, "mean_margin": margin}
+            {
+                "name": name,
+                "win_rate": rate,
+                "win_rate_interval": [max(0.0, rate - half), min(1.0, rate + half)],
+                "mean_margin": margin,
+            }
         )
     return sorted(found, key=lambda one: (-one["win_rate"], -one["mean_margin"], one["name"]))
 
 
-def select(table: Table, keep: int, bots: Sequence[str] = ()) -> dict[str, Sequence[str]]:
+def select(
+    table: Table, keep: int, bots: Sequence[str] = (), bots_share: float = 0.0
+) -> dict[str, Sequence[str]]:
     """Names of the best models of each colour, the best first; repeated where there are fewer.
 
     Example:
@@ -67,6 +96,6 @@ def select(table: Table, keep: int, bots: Sequence[str] = ()) -> dict[str, Seque
     """
     kept: dict[str, Sequence[str]] = {}
     for camp in ("red", "blue"):
-        names = [one["name"] for one in standings(table, camp, bots)]
+        names = [one["name"] for one in standings(table, camp, bots, bots_share)]
         kept[camp] = [names[k % len(names)] for k in range(keep)]
     return kept

@@ -9,6 +9,7 @@ from hexwar_sb3.checks import check_whole
 from hexwar_sb3.envs.settings import check_share
 from hexwar_sb3.errors import ConfigError, UnknownNameError
 from hexwar_sb3.league.distil import Lessons
+from hexwar_sb3.league.plans import Planning
 from hexwar_sb3.league.school import School
 
 LEARNER: dict[str, Any] = {
@@ -31,7 +32,7 @@ LEARNS_BY = (
 """Arguments of QMIX that a league may set; none of them names a file."""
 MOST = {"buffer_size": 1_000_000, "batch_size": 65_536, "gradient_steps": 1_000, "n_steps": 1_000}
 """Limits of those that cost memory or time."""
-SURVIVORS = (8, 3, 1)  # of the candidates for a teacher, after each of the trials
+SURVIVORS = (10, 3, 1)  # of the orders that are tried, after each of the trials
 RANGES = {
     "iterations": (0, 1_000),
     "keep": (1, 16),
@@ -58,16 +59,20 @@ class LeagueSettings:
     iterations: int = 10
     keep: int = 4  # models of each colour that an iteration keeps; keep * keep groups train
     school_rounds: int = (
-        3  # of lessons, for the models that were kept, before the groups; 0: none, as in the paper
+        1  # of lessons, for the models that were kept, before the groups; 0: none, as in the paper
     )
     school_games: int = 64  # of a round, against each opponent of the school
     school_updates: int = 1_200  # of a round
-    school_trials: tuple[int, ...] = (8, 20, 60)  # games in which the teachers against an opponent are found
+    school_trials: tuple[int, ...] = (16, 48, 120)  # games in which an order is tried
     games: int = 200  # that each of the two models of a group then learns from by itself
     rounds: int = 2  # parts of them: red and blue learn in turn
     partner_share: float = 0.2  # of these games against the partner
     past_share: float = 0.3  # against the best of the iterations before; half of them are the very first's
-    bots: tuple[str, ...] = ("MA1", "MA2", "all-main")  # the rest is theirs; they play in the round robin too
+    bots: tuple[str, ...] = (
+        "MA1",
+        "MA2",
+        "all-main",
+    )  # the rest is theirs, and this share of the average that selects
     refit_games: int = 50  # before them, in which the mixer alone learns: it is new, the replay empty
     cooling: float = 0.85  # an iteration's learning rate, as part of that before it
     trial_games: int = 60  # of a version against each of its panel; the best is the group's
@@ -95,6 +100,8 @@ class LeagueSettings:
         named: tuple[object, ...] = (self.scenario, *self.bots)
         if not all(isinstance(name, str) for name in named):
             raise ConfigError(f"scenario and bots are names, got {self.scenario!r} and {self.bots!r}")
+        if len(set(self.bots)) < len(self.bots):
+            raise ConfigError(f"each of the bots is named once, got {self.bots!r}")
         total = self.partner_share + self.past_share
         if total > 1.0:
             raise ConfigError(f"partner_share and past_share must add up to at most 1, got {total}")
@@ -107,11 +114,16 @@ class LeagueSettings:
         self._check_learner()
 
     @property
+    def bots_share(self) -> float:
+        """Of the games, against bots."""
+        return 1.0 - self.partner_share - self.past_share if self.bots else 0.0
+
+    @property
     def school(self) -> School:
         """Of models that were kept."""
         lessons = Lessons(games=self.school_games, epsilon=0.03, updates=self.school_updates, batch_size=64)
         trials = tuple(zip(self.school_trials, SURVIVORS, strict=False))
-        return School(lessons=lessons, rounds=self.school_rounds, trials=trials)
+        return School(lessons=lessons, rounds=self.school_rounds, planning=Planning(trials=trials))
 
     def _check_learner(self) -> None:
         for name, value in self.learner.items():

@@ -24,6 +24,11 @@ _TIME_LEFT = index("obs", 1, 1, 1)["game: time left"].start - sizes(1, 1, 1).obs
 Observation = Mapping[str, NDArray[Any]]
 
 
+def ticks_left(obs: Observation) -> NDArray[np.int64]:
+    """Ticks until the end of each game [n]."""
+    return np.rint(obs["obs"][..., _TIME_LEFT].max(axis=1) / PER_GAME).astype(np.int64)
+
+
 @dataclass(frozen=True, kw_only=True)
 class StandingOrder:
     """Some pieces hold one spot."""
@@ -34,8 +39,7 @@ class StandingOrder:
 
     def rows(self, obs: Observation) -> Iterator[tuple[int, NDArray[np.int64], NDArray[np.int64]]]:
         """Each piece, the games [n] in which it can follow the order now, and the task that it is there [n]."""
-        left = obs["obs"][..., _TIME_LEFT].max(axis=1) / PER_GAME
-        now = left < self.ticks_left + 0.5  # ticks are whole
+        now = ticks_left(obs) <= self.ticks_left
         for piece in self.pieces:
             holds = (obs["tasks"][:, piece, :, TaskKind.HOLD] > 0) & (obs["action_mask"][:, piece] != 0)
             wanted = holds & (holds.cumsum(axis=1) == self.spot + 1)

@@ -20,6 +20,7 @@ from hexwar_sb3.experiments.table1_page import PAPER, bar, in_words, missed, no_
 from hexwar_sb3.league.distil import Lessons
 from hexwar_sb3.league.heir import DISTILLED
 from hexwar_sb3.league.member import as_member
+from hexwar_sb3.league.plans import Planning
 from hexwar_sb3.league.school import School
 from hexwar_sb3.league.settings import LeagueSettings
 
@@ -70,7 +71,7 @@ def pipeline(tmp_path: Path) -> Table1:
         seeds=(0, 1),
         settings=settings,
         lessons=lessons,
-        school=School(lessons=lessons, rounds=1, trials=((1, 1),)),
+        school=School(lessons=lessons, rounds=1, planning=Planning(times=(300,), trials=((1, 1),), sights=2)),
         games=2,
         progress_games=2,
     )

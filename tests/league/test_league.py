@@ -72,27 +72,32 @@ def test_versions_are_judged_by_the_first_and_the_latest_best_and_by_bots(whole:
 def test_models_that_were_kept_go_to_school_against_all_that_they_will_meet(schooled: League) -> None:
     for pupil, camp, enemy in zip(schooled.pupils(2), ("red", "blue"), ("blue", "red"), strict=True):
         first, latest = (str(schooled.kept(k)[enemy][0].folder) for k in (0, 1))
-        assert pupil.member == schooled.kept(1)[camp][0]
-        assert [one.opponent for one in pupil.classes] == [latest, first, "MA1", "MA2", "all-main"]
-        assert [one.weight for one in pupil.classes] == pytest.approx([0.35, 0.15, *[0.5 / 3] * 3])
-        elders = {pupil.member.folder, schooled.kept(0)[camp][0].folder}
-        assert {one.teacher for one in pupil.classes} <= elders
+        members = [schooled.kept(1)[camp][0], schooled.kept(0)[camp][0]]
+        assert [one.policy for one in pupil.searches] == members
+        for one in pupil.searches:
+            assert [player for player, _ in one.opponents] == [latest, first, "MA1", "MA2", "all-main"]
+            assert one.weights() == pytest.approx([0.35, 0.15, *[0.5 / 3] * 3])
 
 
 def test_groups_begin_with_what_was_learned_at_school(schooled: League) -> None:
     spec = schooled.specs(2)[0]
     for pupil, camp in zip(schooled.pupils(2), ("red", "blue"), strict=True):
         assert spec.members[camp].folder == pupil.folder
-        assert spec.members[camp].policy().sha256 != pupil.member.policy().sha256
+        assert spec.members[camp].policy().sha256 not in {
+            one.policy.policy().sha256 for one in pupil.searches
+        }
 
 
-def test_searches_are_as_many_as_models_and_opponents(schooled: League) -> None:
+def test_every_model_has_a_plan_and_the_very_first_best_of_its_colour(schooled: League) -> None:
     found = schooled.searches(2)
-
-    assert {key: len(searches) for key, searches in found.items()} == {
-        (camp, schooled.kept(1)[camp][0].name): 5 for camp in ("red", "blue")
+    names = {
+        f"{camp}/{name}.json"
+        for camp in ("red", "blue")
+        for name in (schooled.kept(1)[camp][0].name, ".first")
     }
-    assert all(one.file.is_file() for searches in found.values() for one in searches.values())
+
+    assert {"/".join(one.file.parts[-2:]) for searches in found.values() for one in searches} == names
+    assert all(one.file.is_file() for searches in found.values() for one in searches)
     costs = json.loads((schooled.iteration(2) / "cost.json").read_text())
     assert {"school", "groups", "round robin"} <= costs.keys()
 
@@ -104,8 +109,12 @@ def test_a_league_with_school_goes_on_where_it_was_stopped(schooled: League, tmp
     (tmp_path / "copy" / again / "table.json").unlink()
     shutil.rmtree(tmp_path / "copy" / again / "matches")
     school = tmp_path / "copy" / again / "school"
-    next(school.glob("red/*/*.json")).unlink()
-    shutil.rmtree(next(school.glob("blue/*/policy")))
+    next(school.glob("red/*.json")).unlink()
+    gone = next(school.glob("blue/*/config.json")).parent
+    shutil.rmtree(gone)
+    left_over = gone.parent / ".new-left-over"
+    left_over.mkdir()
+    (left_over / "config.json").touch()
     league.run()
 
     assert contents(tmp_path / "copy") == contents(schooled.folder)
@@ -129,13 +138,17 @@ def test_random_tasks_grow_rare_over_the_first_games_with_those_of_the_refit(who
 
 
 def test_the_best_average_win_rate_is_kept(whole: League) -> None:
+    """Half of it over the enemy's models, half over the bots, as in training."""
     found = json.loads((whole.iteration(2) / "table.json").read_text())
-    rates: dict[str, list[float]] = {}
+    rates: dict[str, dict[bool, list[float]]] = {}
     for pair, rate in found["red_win_rates"].items():
-        rates.setdefault(pair.split()[0], []).append(rate)
-    means = {name: sum(values) / len(values) for name, values in rates.items() if name not in BOTS}
+        red, blue = pair.split()
+        if red not in BOTS:
+            rates.setdefault(red, {True: [], False: []})[blue in BOTS].append(rate)
+    means = {name: sum(sum(part) / len(part) for part in parts.values()) / 2 for name, parts in rates.items()}
 
     assert len(found["red_win_rates"]) == 4 * 4 + 2 * 4 * len(BOTS)
+    assert {row["name"]: row["win_rate"] for row in found["standings"]["red"]} == pytest.approx(means)
     assert means[found["kept"]["red"][0]] == max(means.values())
     worst = min(row["win_rate"] for row in found["standings"]["blue"] if row["name"] in found["kept"]["blue"])
     assert all(
@@ -143,6 +156,9 @@ def test_the_best_average_win_rate_is_kept(whole: League) -> None:
         for row in found["standings"]["blue"]
         if row["name"] not in found["kept"]["blue"]
     )
+    for row in found["standings"]["blue"]:
+        low, high = row["win_rate_interval"]
+        assert 0.0 <= low <= row["win_rate"] <= high <= 1.0
 
 
 def test_bots_play_in_the_round_robin_but_are_not_kept(whole: League) -> None:

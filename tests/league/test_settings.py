@@ -32,6 +32,7 @@ WRONG: dict[str, tuple[dict[str, Any], str]] = {
     "an object of the learner": ({"learner": {"gamma": [0.9]}}, "gamma of the learner is a number or a name"),
     "a text for a share": ({"past_share": "all"}, "past_share must be a number, got 'all'"),
     "a bot that is none": ({"bots": (7,)}, "scenario and bots are names"),
+    "a bot twice": ({"bots": ("MA1", "MA1")}, "each of the bots is named once"),
     "no trials": ({"school_trials": ()}, "school_trials are 1 to 3 numbers"),
     "half a game": ({"school_trials": (0.5,)}, "games of school_trials must be an integer"),
     "a rest for nobody": ({"bots": ()}, "without bots"),
