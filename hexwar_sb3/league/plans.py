@@ -20,6 +20,7 @@ from hexwar_sb3.checks import check_whole
 from hexwar_sb3.engine.world import load_world
 from hexwar_sb3.envs.registration import make_vec_env
 from hexwar_sb3.envs.settings import check_share
+from hexwar_sb3.errors import ConfigError
 from hexwar_sb3.evaluation.panel import Terms
 from hexwar_sb3.evaluation.seeds import seed_for
 from hexwar_sb3.league.work import Opponents, env_settings, env_steps, job_seed
@@ -49,6 +50,8 @@ class Planning:
         """
         for time in self.times:
             check_whole("time of an order", time, least=1)
+        if list(self.times) != sorted(set(self.times)):
+            raise ConfigError(f"times of orders must rise, got {self.times}")
         for games, left in self.trials:
             check_whole("games of a trial", games, least=1)
             check_whole("candidates after a trial", left, least=1)

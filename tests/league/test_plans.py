@@ -152,6 +152,7 @@ def test_noise_is_not_a_kind() -> None:
     "wrong",
     [
         {"times": (0,)},
+        {"times": (450, 300)},
         {"trials": ((0, 1),)},
         {"trials": ((1, 0),)},
         {"sights": 1},
