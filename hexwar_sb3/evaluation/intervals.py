@@ -33,12 +33,12 @@ def normal_quantile(confidence: float) -> float:
     return NormalDist().inv_cdf((1 + confidence) / 2)
 
 
-def wilson(successes: float, trials: int, confidence: float = CONFIDENCE) -> Estimate:
+def wilson(successes: float, trials: float, confidence: float = CONFIDENCE) -> Estimate:
     """Share of successes with the Wilson score interval (Wilson 1927).
 
     Args:
         successes: number of successes in 0..trials; a draw counts one half.
-        trials: number of trials; 0 gives the interval 0..1.
+        trials: number of trials, perhaps an effective one; 0 gives the interval 0..1.
         confidence: probability that the interval covers the true share.
     """
     if trials == 0:

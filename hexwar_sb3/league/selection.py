@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from math import sqrt
 from pathlib import Path
 from typing import Any
 
-from hexwar_sb3.evaluation.intervals import CONFIDENCE, normal_quantile
+from hexwar_sb3.evaluation.intervals import wilson
 from hexwar_sb3.evaluation.panel import Terms
 from hexwar_sb3.evaluation.tournament import Meeting, Table, play_meetings
 
@@ -67,18 +66,13 @@ def standings(table: Table, camp: str, bots: Sequence[str] = (), bots_share: flo
         rate, margin = (
             sum(share * cell[key] for share, cell in weighted) for key in ("win_rate", "mean_margin")
         )
-        error = sqrt(
-            sum(
-                share**2 * cell["win_rate"] * (1.0 - cell["win_rate"]) / cell["games"]
-                for share, cell in weighted
-            )
-        )
-        half = normal_quantile(CONFIDENCE) * error
+        games = 1.0 / sum(share**2 / cell["games"] for share, cell in weighted)  # as many equal ones
+        interval = wilson(rate * games, games)
         found.append(
             {
                 "name": name,
                 "win_rate": rate,
-                "win_rate_interval": [max(0.0, rate - half), min(1.0, rate + half)],
+                "win_rate_interval": [interval.low, interval.high],
                 "mean_margin": margin,
             }
         )

@@ -58,9 +58,7 @@ class LeagueSettings:
 
     iterations: int = 10
     keep: int = 4  # models of each colour that an iteration keeps; keep * keep groups train
-    school_rounds: int = (
-        1  # of lessons, for the models that were kept, before the groups; 0: none, as in the paper
-    )
+    school_rounds: int = 1  # of lessons, for those that were kept; 0: none, as in the paper
     school_games: int = 64  # of a round, against each opponent of the school
     school_updates: int = 1_200  # of a round
     school_trials: tuple[int, ...] = (16, 48, 120)  # games in which an order is tried
@@ -68,11 +66,7 @@ class LeagueSettings:
     rounds: int = 2  # parts of them: red and blue learn in turn
     partner_share: float = 0.2  # of these games against the partner
     past_share: float = 0.3  # against the best of the iterations before; half of them are the very first's
-    bots: tuple[str, ...] = (
-        "MA1",
-        "MA2",
-        "all-main",
-    )  # the rest is theirs, and this share of the average that selects
+    bots: tuple[str, ...] = ("MA1", "MA2", "all-main")  # the rest; and as much of the average that selects
     refit_games: int = 50  # before them, in which the mixer alone learns: it is new, the replay empty
     cooling: float = 0.85  # an iteration's learning rate, as part of that before it
     trial_games: int = 60  # of a version against each of its panel; the best is the group's
