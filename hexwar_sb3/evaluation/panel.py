@@ -69,6 +69,10 @@ class Terms:
             early=self.early,
         )
 
+    def play_as(self, camp: str, player: object, opponent: object) -> CampResult:
+        """Play one cell, and return what the player of this camp reached."""
+        return self.play(player, opponent).red if camp == "red" else self.play(opponent, player).blue
+
     def record(self, red: object, blue: object) -> Replay:
         """Play the first game of a cell and write it down."""
         seed = seed_for(self.purpose, self.seed)
@@ -144,9 +148,7 @@ def play_panel(
     cells: dict[Cell, CampResult] = {}
     for opponent in opponents:
         for camp in terms.camps:
-            red, blue = (player, opponent) if camp == "red" else (opponent, player)
-            match = terms.play(red, blue)
-            cells[opponent, camp] = match.red if camp == "red" else match.blue
+            cells[opponent, camp] = terms.play_as(camp, player, opponent)
             if progress is not None:
-                progress(match.games)
+                progress(cells[opponent, camp].games)
     return Panel(name, cells)

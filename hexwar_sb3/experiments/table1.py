@@ -126,7 +126,7 @@ class Table1:
                     lessons=self.lessons,
                     school=self.school,
                     opponents=[*latest.items(), *(one for one in others if one[0] not in latest)],
-                    panel=league.panel(settings.iterations + 1, camp),
+                    rivals=league.rivals(settings.iterations + 1, camp),
                     trial=league.terms(settings.iterations + 1, settings.trial_games),
                     seed=(settings.seed, settings.iterations + 1),
                     folder=self.work / "heirs" / camp,

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 from hexwar_sb3.algorithms.qmix import QMIX
 from hexwar_sb3.evaluation.panel import Terms
 from hexwar_sb3.league.cost import measured
-from hexwar_sb3.league.judge import Judge
+from hexwar_sb3.league.judge import Judge, Rivals
 from hexwar_sb3.league.member import CAMPS, Member, making
 from hexwar_sb3.league.work import Opponents, Training, begin, env_steps, job_seed, one_thread
 
@@ -23,10 +23,10 @@ class GroupSpec(Training):
     others: Mapping[str, Opponents]  # by camp: whom the model of that camp meets beside its partner
     partner_share: float  # of the games, against the partner as it is now
     games: int  # that a model learns from
-    rounds: int  # parts of them; after each a version is judged
+    rounds: int  # parts of them; before the first and after each a version is judged
     refit_games: int  # before them, in which the mixer alone learns: it is new, and the replay is empty
-    panels: Mapping[str, Sequence[object]]  # by camp: whom its versions are judged against
-    trial: Terms  # of a version's games against each of its panel
+    rivals: Mapping[str, Rivals]  # by camp: whom its versions are judged against
+    trial: Terms  # of a version's games against each of them
 
     @property
     def steps(self) -> int:
@@ -55,8 +55,9 @@ def _train(spec: GroupSpec) -> dict[str, Judge]:
         env = {**spec.env, "side": camp, "opponent": list(spec.others[camp]) or "MA1"}
         seed = job_seed(*spec.seed, CAMPS.index(camp))
         models[camp] = begin(spec.members[camp].policy(), env, spec.learner, seed)
-    judges = {camp: Judge(camp, spec.panels[camp], spec.trial, spec.about) for camp in CAMPS}
+    judges = {camp: Judge(camp, spec.rivals[camp], spec.trial, spec.about) for camp in CAMPS}
     for camp, other in PAIRS:
+        judges[camp].see(models[camp])
         _meet(models[camp], models[other], spec, camp)
         models[camp].refit_mixer(env_steps(spec.env, spec.refit_games))
     for part in range(spec.rounds):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 from hexwar_sb3.algorithms.qmix import QMIX
@@ -11,7 +10,7 @@ from hexwar_sb3.evaluation.panel import Terms
 from hexwar_sb3.evaluation.seeds import Purpose, seed_for
 from hexwar_sb3.league.cost import measured
 from hexwar_sb3.league.distil import Lessons, distill
-from hexwar_sb3.league.judge import Judge
+from hexwar_sb3.league.judge import Judge, Rivals
 from hexwar_sb3.league.member import CAMPS, Member, as_member, making
 from hexwar_sb3.league.school import School, Search, attend, best_plan, search
 from hexwar_sb3.league.work import Opponents, Training, job_seed, one_thread
@@ -29,8 +28,8 @@ class HeirSpec(Training):
     lessons: Lessons
     school: School
     opponents: Opponents  # of the teachers' games, and of the school's lessons
-    panel: Sequence[object]  # whom its versions are judged against
-    trial: Terms  # of a version's games against each of its panel
+    rivals: Rivals  # whom its versions are judged against
+    trial: Terms  # of a version's games against each of them
 
 
 def make_heir(spec: HeirSpec) -> None:
@@ -52,7 +51,7 @@ def make_heir(spec: HeirSpec) -> None:
         student = QMIX("TaskPolicy", games, seed=seed, **spec.learner)
         distill(teachers, student, env, spec.lessons, seed)
         as_member(student, side=spec.camp, **about).save(made / DISTILLED)
-        judge = Judge(spec.camp, spec.panel, spec.trial, about)
+        judge = Judge(spec.camp, spec.rivals, spec.trial, about)
         judge.see(student)
         searches = [
             Search(

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import re
 import shutil
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, fields, replace
 from pathlib import Path
 from typing import Any
@@ -25,6 +25,7 @@ from hexwar_sb3.evaluation.seeds import Purpose
 from hexwar_sb3.league.cost import measured
 from hexwar_sb3.league.files import read_json, write_json
 from hexwar_sb3.league.group import GroupSpec, train_group
+from hexwar_sb3.league.judge import Rivals
 from hexwar_sb3.league.member import CAMPS, Member, clear_unfinished
 from hexwar_sb3.league.school import Pupil, Search, go_to_school, search
 from hexwar_sb3.league.selection import play_all, select, standings
@@ -231,11 +232,10 @@ class League:
         place, terms = self.iteration(k) / "school", self.terms(k, 1)
         found = {}
         for camp, enemy in (CAMPS, CAMPS[::-1]):
-            ends = [one for one in self.panel(k, camp) if one not in settings.bots]
             weights: dict[object, float] = {}
             for players, share in (
                 ([str(one.folder) for one in kept[enemy]], settings.partner_share),
-                (ends, settings.past_share),
+                (self.rivals(k, camp).models, settings.past_share),
                 (settings.bots, settings.bots_share),
             ):
                 for player in players:
@@ -268,7 +268,7 @@ class League:
                 about=self.terms(0, 1).about(),
             )
             for camp in CAMPS
-            for place, member in enumerate(kept[camp])
+            for place, member in enumerate(dict.fromkeys(kept[camp]))  # who fills several places goes once
         ]
 
     def _schooled(self, k: int, member: Member) -> Member:
@@ -279,7 +279,7 @@ class League:
         """What the groups of an iteration depend on: the models that were kept, and those before them."""
         kept, settings = self.kept(k - 1), self.settings
         others = {camp: self.others(k, camp) for camp in CAMPS}
-        panels = {camp: self.panel(k, camp) for camp in CAMPS}
+        rivals = {camp: self.rivals(k, camp) for camp in CAMPS}
         if settings.school_rounds:
             kept = {camp: [self._schooled(k, one) for one in members] for camp, members in kept.items()}
         return [
@@ -290,7 +290,7 @@ class League:
                 games=settings.games,
                 rounds=settings.rounds,
                 refit_games=settings.refit_games,
-                panels=panels,
+                rivals=rivals,
                 trial=self.terms(k, settings.trial_games),
                 seed=(settings.seed, k, i, j),
                 folder=self.group(k, group_name(k, i, j)),
@@ -324,11 +324,11 @@ class League:
             (player, share / len(players)) for players, share in shares for player in players if share > 0
         ]
 
-    def panel(self, k: int, camp: str) -> list[object]:
+    def rivals(self, k: int, camp: str) -> Rivals:
         """Whom versions of a model are judged against: the enemy's first and latest best, and bots."""
         before = self._best_before(k, camp)
         ends = dict.fromkeys(str(member.folder) for member in (before[0], before[-1]))
-        return [*ends, *self.settings.bots]
+        return Rivals(tuple(ends), self.settings.bots, self.settings.bots_share)
 
     def _best_before(self, k: int, camp: str) -> list[Member]:
         """The best of the other colour, of each iteration before k."""
@@ -337,7 +337,7 @@ class League:
 
     def _select(self, k: int, jobs: int) -> None:
         models = self.models(k)
-        reds, blues = ({member.name: member.folder for member in models[camp]} for camp in CAMPS)
+        reds, blues = ({one.name: one.folder for one in _distinct(models[camp])} for camp in CAMPS)
         terms = self.terms(k, self.settings.match_games)
         table = play_all(
             reds, blues, terms, self.iteration(k) / "matches", bots=self.settings.bots, jobs=jobs
@@ -413,6 +413,14 @@ def parent_of(name: str, camp: str) -> int:
     """Place of a model's parent among the models of its colour that were kept."""
     red, _, blue = name.partition("-r")[2].partition("b")
     return int(red if camp == "red" else blue)
+
+
+def _distinct(members: Sequence[Member]) -> list[Member]:
+    """Leave out who plays as one before: a model that was best as it entered leaves several groups alike."""
+    found: dict[str, Member] = {}
+    for member in members:
+        found.setdefault(member.policy().sha256, member)
+    return list(found.values())
 
 
 def _difference(mine: LeagueSettings, other: LeagueSettings) -> str:

@@ -141,12 +141,9 @@ class Planner:
         return self._play(self.policy, tuple(range(len(self.opponents))), trials[-1][0], len(trials))
 
     def _play(self, player: object, group: Group, games: int, part: int) -> dict[int, float]:
-        terms, found = replace(self.terms, games=games, seed=job_seed(self.terms.seed, part)), {}
-        for k in group:
-            other = self.opponents[k][0]
-            result = terms.play(player, other).red if self.camp == "red" else terms.play(other, player).blue
-            found[k] = result.win_rate.value
-        return found
+        terms = replace(self.terms, games=games, seed=job_seed(self.terms.seed, part))
+        results = {k: terms.play_as(self.camp, player, self.opponents[k][0]) for k in group}
+        return {k: result.win_rate.value for k, result in results.items()}
 
     def _mean(self, rates: Mapping[int, float], group: Group) -> float:
         return float(np.average([rates[k] for k in group], weights=[self.opponents[k][1] for k in group]))

@@ -1,4 +1,4 @@
-"""Who is kept: average win rate in a single round robin of all red against all blue models, and the bots."""
+"""Who is kept: weighted win rate in a single round robin of all red against all blue models, and the bots."""
 
 from __future__ import annotations
 
@@ -42,14 +42,32 @@ def play_all(
     return play_meetings(meetings, {**reds, **players}, {**blues, **players}, terms, folder, jobs=jobs)
 
 
+def weights(rates: Sequence[float], are_bots: Sequence[bool], bots_share: float) -> list[float]:
+    """Weights of a model's win rates: of the bots only the one that it does worst against counts.
+
+    What a model has forgotten of one bot it cannot make up for with the others.
+
+    Args:
+        rates: against each opponent.
+        are_bots: which of the opponents are bots.
+        bots_share: weight of that bot; the rest is shared by the others that are no bots.
+    """
+    worst = min((k for k, is_bot in enumerate(are_bots) if is_bot), key=lambda k: rates[k], default=None)
+    share = (1.0 - bots_share) / max(1, len(rates) - sum(are_bots))
+    found = [0.0 if is_bot else share for is_bot in are_bots]
+    if worst is not None:
+        found[worst] = bots_share
+    return [weight / sum(found) for weight in found]
+
+
 def standings(table: Table, camp: str, bots: Sequence[str] = (), bots_share: float = 0.0) -> list[Standing]:
-    """Models of a colour by their average win rate, the best first; equal ones by margin, then by name.
+    """Models of a colour by their weighted win rate, the best first; equal ones by margin, then by name.
 
     Args:
         table: of the round robin.
         camp: "red" or "blue".
         bots: players of it that are no models.
-        bots_share: of the average; the rest is shared by the models of the other colour.
+        bots_share: weight of the bot that a model does worst against.
     """
     enemy = "blue" if camp == "red" else "red"
     rows: dict[str, list[tuple[bool, Mapping[str, Any]]]] = {}
@@ -58,11 +76,10 @@ def standings(table: Table, camp: str, bots: Sequence[str] = (), bots_share: flo
             is_bot = getattr(meeting, enemy) in bots
             rows.setdefault(getattr(meeting, camp), []).append((is_bot, row[camp]))
     found = []
-    for name, cells in rows.items():
-        n_bots = sum(is_bot for is_bot, _ in cells)
-        shares = {True: bots_share / max(1, n_bots), False: (1.0 - bots_share) / max(1, len(cells) - n_bots)}
-        total = sum(shares[is_bot] for is_bot, _ in cells)
-        weighted = [(shares[is_bot] / total, cell) for is_bot, cell in cells]
+    for name, results in rows.items():
+        are_bots, cells = zip(*results, strict=True)
+        shares = weights([cell["win_rate"] for cell in cells], are_bots, bots_share)
+        weighted = list(zip(shares, cells, strict=True))
         rate, margin = (
             sum(share * cell[key] for share, cell in weighted) for key in ("win_rate", "mean_margin")
         )

@@ -15,9 +15,11 @@ import pytest
 from hexwar_sb3.errors import ConfigError, FileFormatError, PolicyFileError, UnknownNameError
 from hexwar_sb3.league import group
 from hexwar_sb3.league.group import train_group
+from hexwar_sb3.league.judge import Rivals
 from hexwar_sb3.league.league import League, group_name, parent_of
 from hexwar_sb3.league.settings import LeagueSettings
 from hexwar_sb3.play.frozen import FrozenPolicy
+from tests.league.test_judge import Rigged
 
 BOTS = LeagueSettings().bots
 
@@ -29,6 +31,11 @@ def contents(folder: Path) -> dict[str, str]:
         for path in sorted(folder.rglob("*"))
         if path.is_file() and path.name != "cost.json"
     }
+
+
+def distinct(league: League, k: int, camp: str) -> set[str]:
+    """Hashes of the models of an iteration."""
+    return {member.policy().sha256 for member in league.models(k)[camp]}
 
 
 def test_every_red_model_trains_with_every_blue_one(whole: League) -> None:
@@ -59,14 +66,10 @@ def test_half_of_the_past_is_the_very_first_best(whole: League) -> None:
 
 
 def test_versions_are_judged_by_the_first_and_the_latest_best_and_by_bots(whole: League) -> None:
-    assert whole.specs(2)[0].panels["blue"] == [
-        str(whole.kept(0)["red"][0].folder),
-        str(whole.kept(1)["red"][0].folder),
-        "MA1",
-        "MA2",
-        "all-main",
-    ]
-    assert len(whole.panel(1, "blue")) == 4  # the first best is the latest
+    first, latest = (str(whole.kept(k)["red"][0].folder) for k in (0, 1))
+
+    assert whole.specs(2)[0].rivals["blue"] == Rivals((first, latest), ("MA1", "MA2", "all-main"), 0.5)
+    assert len(whole.rivals(1, "blue").models) == 1  # the first best is the latest
 
 
 def test_models_that_were_kept_go_to_school_against_all_that_they_will_meet(schooled: League) -> None:
@@ -120,6 +123,33 @@ def test_a_league_with_school_goes_on_where_it_was_stopped(schooled: League, tmp
     assert contents(tmp_path / "copy") == contents(schooled.folder)
 
 
+def test_a_model_that_fills_several_places_goes_to_school_once(
+    tiny: LeagueSettings, starters: dict[str, Path], tmp_path: Path
+) -> None:
+    league = League.create(tmp_path, replace(tiny, keep=4), {"one": starters["one"]})
+    League(tmp_path, replace(league.settings, iterations=0)).run()
+
+    assert [len(members) for members in league.kept(0).values()] == [4, 4]
+    assert [pupil.folder.name for pupil in league.pupils(1)] == ["one", "one"]
+
+
+def test_models_that_play_alike_play_the_round_robin_once(whole: League, tmp_path: Path) -> None:
+    """Where no training made a model better, its groups leave it as it came."""
+    shutil.copytree(whole.folder, tmp_path / "league")
+    league = League.open(tmp_path / "league")
+    shutil.rmtree(league.iteration(2) / "matches")
+    league.table(2).unlink()
+    same = league.models(2)["red"]
+    for member in same[1:3]:
+        shutil.rmtree(member.folder)
+        shutil.copytree(same[0].folder, member.folder)
+    league.run()
+
+    found = json.loads(league.table(2).read_text())
+    assert {row["name"] for row in found["standings"]["red"]} == {same[0].name, same[3].name}
+    assert len(set(found["kept"]["red"])) == 2
+
+
 def test_without_school_nobody_searches(whole: League) -> None:
     assert not list(whole.folder.rglob("school"))
     assert whole.specs(2)[0].members["red"] == whole.kept(1)["red"][0]
@@ -137,17 +167,20 @@ def test_random_tasks_grow_rare_over_the_first_games_with_those_of_the_refit(who
     assert league.learner(800, 1)["exploration_episodes"] == 600
 
 
-def test_the_best_average_win_rate_is_kept(whole: League) -> None:
-    """Half of it over the enemy's models, half over the bots, as in training."""
+def test_the_best_weighted_win_rate_is_kept(whole: League) -> None:
+    """Half of it over the enemy's models, half against the bot that it does worst against."""
     found = json.loads((whole.iteration(2) / "table.json").read_text())
     rates: dict[str, dict[bool, list[float]]] = {}
     for pair, rate in found["red_win_rates"].items():
         red, blue = pair.split()
         if red not in BOTS:
             rates.setdefault(red, {True: [], False: []})[blue in BOTS].append(rate)
-    means = {name: sum(sum(part) / len(part) for part in parts.values()) / 2 for name, parts in rates.items()}
+    means = {
+        name: (min(parts[True]) + sum(parts[False]) / len(parts[False])) / 2 for name, parts in rates.items()
+    }
 
-    assert len(found["red_win_rates"]) == 4 * 4 + 2 * 4 * len(BOTS)
+    reds, blues = (len(distinct(whole, 2, camp)) for camp in ("red", "blue"))
+    assert len(found["red_win_rates"]) == reds * blues + (reds + blues) * len(BOTS)
     assert {row["name"]: row["win_rate"] for row in found["standings"]["red"]} == pytest.approx(means)
     assert means[found["kept"]["red"][0]] == max(means.values())
     worst = min(row["win_rate"] for row in found["standings"]["blue"] if row["name"] in found["kept"]["blue"])
@@ -165,7 +198,7 @@ def test_bots_play_in_the_round_robin_but_are_not_kept(whole: League) -> None:
     found = json.loads((whole.iteration(2) / "table.json").read_text())
 
     for camp in ("red", "blue"):
-        assert len(found["standings"][camp]) == 4
+        assert len(found["standings"][camp]) == len(distinct(whole, 2, camp))
         assert not set(found["kept"][camp]) & set(BOTS)
     assert not any(set(pair.split()) <= set(BOTS) for pair in found["red_win_rates"])
 
@@ -196,10 +229,18 @@ def test_a_group_is_a_function_of_its_spec(whole: League, tmp_path: Path) -> Non
     assert sorted(path.name for path in tmp_path.iterdir()) == ["again"]
 
 
-def test_training_changes_both_models(whole: League) -> None:
-    spec = whole.specs(1)[0]
-    for camp in ("red", "blue"):
-        assert spec.members[camp].policy().sha256 != whole.models(1)[camp][0].policy().sha256
+@pytest.mark.parametrize("learned", [True, False])
+def test_a_group_leaves_what_a_model_learned_unless_it_was_better_before(
+    whole: League, tmp_path: Path, *, learned: bool
+) -> None:
+    """Versions are judged one after the other, the model as it entered first."""
+    shares = iter(k / 100 if learned else 1.0 - k / 100 for k in range(100))
+    spec = replace(whole.specs(1)[0], trial=Rigged(shares=shares), folder=tmp_path / "group")
+    train_group(spec)
+
+    for camp, member in spec.members.items():
+        left = FrozenPolicy.load(tmp_path / "group" / camp)
+        assert (left.sha256 != member.policy().sha256) == learned
 
 
 BREAKS: dict[str, Callable[[League], object]] = {
