@@ -35,7 +35,8 @@ class SelfPlay:
     keep: int = 4  # models of each colour that are kept; keep * keep groups train
     school_rounds: int = 1  # of lessons, for the models that were kept; 0: none, as in the paper
     games: int = 200  # that each of the two models of a group then learns from by itself
-    trial_games: int = 60  # of a version of a model against each of its panel; the best version is kept
+    anchor: float = 0.1  # weight of staying near what entered the group; 0: as in the paper
+    trial_games: int = 60  # of a version of a model against each of its rivals; the best version is kept
     match_games: int = 50  # of each pairing in the round robin
     warm_up_games: int = 400  # of each model to begin with against each of MA1 and MA2, to rank them
     bots: tuple[str, ...] = ("MA1", "MA2", "all-main")  # met in training and in the round robin

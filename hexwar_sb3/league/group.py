@@ -24,6 +24,7 @@ class GroupSpec(Training):
     partner_share: float  # of the games, against the partner as it is now
     games: int  # that a model learns from
     rounds: int  # parts of them; before the first and after each a version is judged
+    anchor: float  # weight of staying near what entered
     refit_games: int  # before them, in which the mixer alone learns: it is new, and the replay is empty
     rivals: Mapping[str, Rivals]  # by camp: whom its versions are judged against
     trial: Terms  # of a version's games against each of them
@@ -54,7 +55,7 @@ def _train(spec: GroupSpec) -> dict[str, Judge]:
     for camp in CAMPS:
         env = {**spec.env, "side": camp, "opponent": list(spec.others[camp]) or "MA1"}
         seed = job_seed(*spec.seed, CAMPS.index(camp))
-        models[camp] = begin(spec.members[camp].policy(), env, spec.learner, seed)
+        models[camp] = begin(spec.members[camp].policy(), env, spec.learner, seed, spec.anchor)
     judges = {camp: Judge(camp, spec.rivals[camp], spec.trial, spec.about) for camp in CAMPS}
     for camp, other in PAIRS:
         judges[camp].see(models[camp])

@@ -289,6 +289,7 @@ class League:
                 partner_share=settings.partner_share,
                 games=settings.games,
                 rounds=settings.rounds,
+                anchor=settings.anchor,
                 refit_games=settings.refit_games,
                 rivals=rivals,
                 trial=self.terms(k, settings.trial_games),

@@ -64,6 +64,7 @@ class LeagueSettings:
     school_trials: tuple[int, ...] = (16, 48, 120)  # games in which an order is tried
     games: int = 200  # that each of the two models of a group then learns from by itself
     rounds: int = 2  # parts of them: red and blue learn in turn
+    anchor: float = 0.1  # weight of staying near what entered the group; 0: as in the paper
     partner_share: float = 0.2  # of these games against the partner
     past_share: float = 0.3  # against the best of the iterations before; half of them are the very first's
     bots: tuple[str, ...] = ("MA1", "MA2", "all-main")  # the rest; and as much of the average that selects
@@ -91,6 +92,8 @@ class LeagueSettings:
                 raise ConfigError(f"{name} must be at most {most}, got {getattr(self, name)}")
         for name in ("partner_share", "past_share", "cooling"):
             check_share(name, check_number(name, getattr(self, name)))
+        if not 0.0 <= check_number("anchor", self.anchor) < float("inf"):
+            raise ConfigError(f"anchor must be finite and at least 0, got {self.anchor}")
         named: tuple[object, ...] = (self.scenario, *self.bots)
         if not all(isinstance(name, str) for name in named):
             raise ConfigError(f"scenario and bots are names, got {self.scenario!r} and {self.bots!r}")

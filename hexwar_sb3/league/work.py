@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import torch
 
+from hexwar_sb3.algorithms.anchored import AnchoredQMIX
 from hexwar_sb3.algorithms.qmix import QMIX
 from hexwar_sb3.engine.world import load_world
 from hexwar_sb3.envs.registration import make_vec_env
@@ -32,7 +33,9 @@ class Training:
     about: Mapping[str, str]  # texts for the policies' folders
 
 
-def begin(policy: FrozenPolicy, env: Mapping[str, Any], learner: Mapping[str, Any], seed: int) -> QMIX:
+def begin(
+    policy: FrozenPolicy, env: Mapping[str, Any], learner: Mapping[str, Any], seed: int, anchor: float = 0.0
+) -> QMIX:
     """Make a learner that goes on where a policy left off.
 
     Args:
@@ -40,11 +43,12 @@ def begin(policy: FrozenPolicy, env: Mapping[str, Any], learner: Mapping[str, An
         env: settings of the task env.
         learner: arguments of QMIX.
         seed: of learner and games, in 0..999999.
+        anchor: weight of staying near the policy.
     """
     games = make_vec_env(
         "HexWarTask-v0", seed=seed_for(Purpose.TRAINING, seed), **{**env, "lower": policy.lower}
     )
-    model = QMIX("TaskPolicy", games, seed=seed, **learner)
+    model = AnchoredQMIX("TaskPolicy", games, seed=seed, anchor_weight=anchor, **learner)
     model.take_over(policy)
     return model
 

@@ -37,6 +37,9 @@ WRONG: dict[str, tuple[dict[str, Any], str]] = {
     "half a game": ({"school_trials": (0.5,)}, "games of school_trials must be an integer"),
     "a rest for nobody": ({"bots": ()}, "without bots"),
     "a learning rate that grows": ({"cooling": 1.5}, r"cooling must be in 0\.\.1"),
+    "an anchor that pulls away": ({"anchor": -0.1}, "anchor must be finite and at least 0"),
+    "an anchor without end": ({"anchor": float("inf")}, "anchor must be finite and at least 0"),
+    "a text for an anchor": ({"anchor": "near"}, "anchor must be a number, got 'near'"),
     "a text for a learning rate": (
         {"learner": {"learning_rate": "fast"}},
         "learning_rate of the learner must be a number",
