@@ -51,6 +51,9 @@ def weights(rates: Sequence[float], are_bots: Sequence[bool], bots_share: float)
         rates: against each opponent.
         are_bots: which of the opponents are bots.
         bots_share: weight of that bot; the rest is shared by the others that are no bots.
+
+    Returns:
+        A weight for each opponent; they add up to 1.
     """
     worst = min((k for k, is_bot in enumerate(are_bots) if is_bot), key=lambda k: rates[k], default=None)
     share = (1.0 - bots_share) / max(1, len(rates) - sum(are_bots))
@@ -68,6 +71,10 @@ def standings(table: Table, camp: str, bots: Sequence[str] = (), bots_share: flo
         camp: "red" or "blue".
         bots: players of it that are no models.
         bots_share: weight of the bot that a model does worst against.
+
+    Returns:
+        Rows with the weighted win rate in 0..1, its Wilson interval for as many games of equal weight (that the worst
+        bot was picked by these games is left out of it), and the margin with the same weights, in points.
     """
     enemy = "blue" if camp == "red" else "red"
     rows: dict[str, list[tuple[bool, Mapping[str, Any]]]] = {}

@@ -67,10 +67,14 @@ class LeagueSettings:
     anchor: float = 0.1  # weight of staying near what entered the group; 0: as in the paper
     partner_share: float = 0.2  # of these games against the partner
     past_share: float = 0.3  # against the best of the iterations before; half of them are the very first's
-    bots: tuple[str, ...] = ("MA1", "MA2", "all-main")  # the rest; and as much of the average that selects
+    bots: tuple[str, ...] = (
+        "MA1",
+        "MA2",
+        "all-main",
+    )  # the rest; the worst result against one weighs as much
     refit_games: int = 50  # before them, in which the mixer alone learns: it is new, the replay empty
     cooling: float = 0.85  # an iteration's learning rate, as part of that before it
-    trial_games: int = 60  # of a version against each of its panel; the best is the group's
+    trial_games: int = 60  # of a version against each of its rivals; the best is the group's
     match_games: int = 50  # of each pairing in the round robin that selects
     warm_up_games: int = 400  # against each of MA1 and MA2, to choose the first models
     scenario: str = "plain"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any, TypeVar, cast
 
 import numpy as np
@@ -16,8 +17,6 @@ from hexwar_sb3.play.frozen import FrozenPolicy
 from hexwar_sb3.policies.agent import TaskNetwork
 
 LEARNER: dict[str, Any] = {"learning_starts": 0, "batch_size": 16, "buffer_size": 400, "learning_rate": 1e-3}
-
-
 Model = TypeVar("Model", bound=QMIX)
 
 
@@ -72,6 +71,18 @@ def test_the_anchor_itself_does_not_learn(policy: FrozenPolicy) -> None:
 
     assert all(torch.equal(tensor, before[name]) for name, tensor in anchor.state_dict().items())
     assert model.policy.freeze().sha256 != policy.sha256
+
+
+def test_a_loaded_model_has_its_settings_and_no_anchor(policy: FrozenPolicy, tmp_path: Path) -> None:
+    model = new(AnchoredQMIX, anchor_weight=0.3)
+    model.take_over(policy)
+    model.save(tmp_path / "model.zip")
+    loaded = AnchoredQMIX.load(tmp_path / "model.zip")
+
+    assert (loaded.anchor_weight, loaded.anchor_tau, loaded.anchor) == (0.3, 0.1, None)
+    assert loaded.policy.freeze().sha256 == policy.sha256
+    loaded.take_over(policy)
+    assert loaded.anchor is not None
 
 
 @pytest.mark.parametrize(
