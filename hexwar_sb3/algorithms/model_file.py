@@ -190,7 +190,7 @@ def _read_data(path: File) -> dict[str, Any]:
     try:
         with zipfile.ZipFile(_with_suffix(path)) as archive:
             data = json.loads(archive.read("data"))
-    except (zipfile.BadZipFile, KeyError, OSError, ValueError) as error:
+    except (zipfile.BadZipFile, KeyError, OSError, ValueError, RecursionError) as error:
         raise CheckpointError(_name(path), "file", found=str(error), expected="a model zip") from error
     if not isinstance(data, dict):
         raise CheckpointError(_name(path), "data", found=type(data).__name__, expected="names and values")

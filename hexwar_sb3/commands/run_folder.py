@@ -8,8 +8,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-from hexwar_sb3.errors import FileFormatError
-from hexwar_sb3.files import replacing
+from hexwar_sb3.files import read_json, replacing
 
 
 @dataclass(frozen=True)
@@ -80,14 +79,7 @@ class RunFolder:
         Raises:
             FileFormatError: there are none, or they are no JSON object.
         """
-        try:
-            config = json.loads(self.config.read_text(encoding="utf-8"))
-        except (OSError, ValueError) as error:
-            found = getattr(error, "strerror", None) or str(error)
-            raise FileFormatError(self.config, "file", found=found, expected="a run's settings") from error
-        if not isinstance(config, dict):
-            raise FileFormatError(self.config, "file", found=type(config).__name__, expected="a JSON object")
-        return config
+        return read_json(self.config, "a run's settings")
 
 
 def _seconds(log: Path) -> float:

@@ -131,7 +131,7 @@ def make_env(settings: Train) -> VecEnv:
         scenario=settings.scenario,
         side=settings.side,
         opponent=list(settings.opponents),
-        decision_ticks=settings.decision_ticks,
+        decision_ticks=settings.value("decision_ticks"),
         lower=HEURISTIC_LOWER if settings.value("lower") == LEARNED else settings.value("lower"),
         demo_bot=settings.demo_bot,
         privileged_state=True,

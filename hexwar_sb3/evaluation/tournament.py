@@ -19,7 +19,7 @@ from hexwar_sb3.evaluation.intervals import Estimate, wilson
 from hexwar_sb3.evaluation.jobs import run_jobs
 from hexwar_sb3.evaluation.panel import Terms, trained_terms
 from hexwar_sb3.evaluation.provenance import provenance
-from hexwar_sb3.files import replacing
+from hexwar_sb3.files import read_json, replacing
 from hexwar_sb3.play.frozen import FrozenPolicy
 from hexwar_sb3.play.player import BotPlayer, make_player
 
@@ -173,17 +173,14 @@ class Match:
         Raises:
             FileFormatError: it is broken, or of another match.
         """
-        try:
-            row = json.loads(self.path.read_text(encoding="utf-8"))
-        except (OSError, ValueError) as error:
-            raise FileFormatError(self.path, "file", found=str(error), expected="a match") from error
+        row = read_json(self.path, "a match")
         for key, value in self.head().items():
-            found = row.get(key) if isinstance(row, dict) else None
+            found = row.get(key)
             if found != value:
                 raise FileFormatError(
                     self.path, key, found=str(found), expected=f"{value}; or choose another folder"
                 )
-        return dict(row)
+        return row
 
 
 def play(match: Match) -> None:

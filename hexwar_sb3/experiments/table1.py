@@ -19,9 +19,9 @@ from hexwar_sb3.evaluation.tournament import Meeting, Table, play_meetings
 from hexwar_sb3.experiments.carry_out import carry_out
 from hexwar_sb3.experiments.fig7 import pair
 from hexwar_sb3.experiments.runs import Budget, Places, Run
+from hexwar_sb3.files import read_json
 from hexwar_sb3.league.cost import Cost, added, measured, read_cost
 from hexwar_sb3.league.distil import Lessons
-from hexwar_sb3.league.files import read_json
 from hexwar_sb3.league.heir import DISTILLED, LEARNED, HeirSpec, make_heir
 from hexwar_sb3.league.league import League
 from hexwar_sb3.league.member import CAMPS

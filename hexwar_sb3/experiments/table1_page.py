@@ -14,9 +14,8 @@ from hexwar_sb3.evaluation.panel import BOTS, CONSTANT_PLANS
 from hexwar_sb3.evaluation.provenance import provenance
 from hexwar_sb3.evaluation.tournament import Meeting, Table
 from hexwar_sb3.experiments.table1 import COLUMNS, ROWS, Table1
-from hexwar_sb3.files import replacing
+from hexwar_sb3.files import replacing, write_json
 from hexwar_sb3.league.cost import Cost
-from hexwar_sb3.league.files import write_json
 from hexwar_sb3.league.heir import DISTILLED
 from hexwar_sb3.league.member import CAMPS
 

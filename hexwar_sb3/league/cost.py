@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import resource
 import sys
 from collections.abc import Iterable, Iterator
@@ -10,7 +9,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from time import monotonic, process_time
 
-from hexwar_sb3.files import replacing
+from hexwar_sb3.errors import FileFormatError
+from hexwar_sb3.files import read_json, write_json
 
 FILE = "cost.json"
 Cost = dict[str, dict[str, float]]  # by part: wall_s, core_s, peak_mb
@@ -37,15 +37,14 @@ def measured(folder: Path, part: str, jobs: int = 1) -> Iterator[None]:
         found[part] = {key: round(value + before.get(key, 0.0), 1) for key, value in spent.items()}
         found[part]["peak_mb"] = max(before.get("peak_mb", 0.0), round(peak_mb()))
         folder.mkdir(parents=True, exist_ok=True)
-        with replacing(folder / FILE) as temporary:
-            temporary.write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
+        write_json(folder / FILE, found)
 
 
 def read_cost(folder: Path) -> Cost:
     """Parts and what they cost; nothing if the file is missing or broken."""
     try:
-        return dict(json.loads((folder / FILE).read_text(encoding="utf-8")))
-    except (OSError, ValueError, TypeError):
+        return read_json(folder / FILE)
+    except FileFormatError:
         return {}
 
 

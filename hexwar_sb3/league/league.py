@@ -22,8 +22,8 @@ from hexwar_sb3.evaluation.jobs import run_jobs
 from hexwar_sb3.evaluation.panel import BOTS, Terms, trained_terms
 from hexwar_sb3.evaluation.provenance import provenance
 from hexwar_sb3.evaluation.seeds import Purpose
+from hexwar_sb3.files import read_json, write_json
 from hexwar_sb3.league.cost import measured
-from hexwar_sb3.league.files import read_json, write_json
 from hexwar_sb3.league.group import GroupSpec, train_group
 from hexwar_sb3.league.judge import Rivals
 from hexwar_sb3.league.member import CAMPS, Member, clear_unfinished
@@ -59,14 +59,15 @@ class League:
         found = read_json(path)
         values, known = found.get("settings"), {field.name for field in fields(LeagueSettings)}
         kinds = {"bots": list, "school_trials": list, "learner": dict, "scenario": str}
-        if (
-            found.get("format") != FORMAT
-            or not isinstance(values, dict)
-            or set(values) != known
-            or not all(isinstance(values[name], kind) for name, kind in kinds.items())
-        ):
+        if found.get("format") != FORMAT or not isinstance(values, dict):
             said = f"{str(found.get('format'))[:40]!r} with {str(values)[:60]}"
             raise FileFormatError(path, "format", found=said, expected=f"{FORMAT!r} with settings")
+        for name in sorted(known ^ values.keys()):
+            said = "nothing" if name in known else "an unknown setting"
+            raise FileFormatError(path, name[:40], found=said, expected=", ".join(sorted(known)))
+        for name, kind in kinds.items():
+            if not isinstance(values[name], kind):
+                raise FileFormatError(path, name, found=str(values[name])[:60], expected=kind.__name__)
         tuples = {name: tuple(values[name]) for name, kind in kinds.items() if kind is list}
         settings = LeagueSettings(**{**values, **tuples})
         for key, value in provenance(settings.scenario).items():

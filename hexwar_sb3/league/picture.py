@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING
 from matplotlib.ticker import MaxNLocator
 
 from hexwar_sb3.evaluation.intervals import Estimate
-from hexwar_sb3.files import replacing
-from hexwar_sb3.league.files import read_json
+from hexwar_sb3.files import read_json, replacing
 from hexwar_sb3.league.league import League
 from hexwar_sb3.league.member import CAMPS
 

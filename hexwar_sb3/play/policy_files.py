@@ -85,7 +85,7 @@ class PolicyFormat:
         data = _read(path, MAX_CONFIG_BYTES)
         try:
             config = json.loads(data)
-        except ValueError as error:
+        except (ValueError, RecursionError) as error:
             raise PolicyFileError(path, "text", found=str(error), expected="JSON") from error
         named = (config.get("format"), config.get("version")) if isinstance(config, dict) else None
         if named != (self.name, self.version):

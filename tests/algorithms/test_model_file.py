@@ -134,6 +134,14 @@ def test_a_broken_file_is_refused_by_name(tmp_path: Path, content: bytes) -> Non
         QMIX.load(tmp_path / "model.zip")
 
 
+def test_data_nested_without_end_are_refused_by_name(tmp_path: Path) -> None:
+    with zipfile.ZipFile(tmp_path / "model.zip", "w") as archive:
+        archive.writestr("data", "[" * 100_000)
+
+    with pytest.raises(CheckpointError, match=r"model.zip: file: found maximum recursion depth"):
+        QMIX.load(tmp_path / "model.zip")
+
+
 def test_a_save_that_fails_leaves_the_old_file(
     model: QMIX, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -34,8 +34,8 @@ def test_minutes_of_earlier_parts_count(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("{", "config.json: file: found Expecting property name"),
-        ("[]", "config.json: file: found list; expected a JSON object"),
+        ("{", "config.json: text: found Expecting property name"),
+        ("[]", "config.json: file: found list; expected a run.s settings"),
         ('{"n_timestep": 7}', "config.json: n_timestep: found an unknown setting"),
     ],
 )

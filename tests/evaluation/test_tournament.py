@@ -72,7 +72,8 @@ def test_a_file_of_other_games_is_refused(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("text", "found"), [("{", "Expecting"), ("[]", "found None"), ('{"format": 7}', "found 7")]
+    ("text", "found"),
+    [("{", "Expecting"), ("[]", "found list; expected a match"), ('{"format": 7}', "found 7")],
 )
 def test_a_broken_file_is_named(tmp_path: Path, text: str, found: str) -> None:
     meeting = Meeting(red="near", blue="any", scenario="plain")

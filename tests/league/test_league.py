@@ -362,7 +362,15 @@ BROKEN: dict[str, tuple[Callable[[dict[str, Any]], object], str]] = {
     "other rules": (lambda head: head.update(rules="0.9 abc"), "rules: found 0.9 abc"),
     "no settings": (lambda head: head.pop("settings"), "format: "),
     "another format": (lambda head: head.update(format="pickle"), "format: found 'pickle'"),
-    "no bots": (lambda head: head["settings"].update(bots=None), "format: found 'hexwar league 1' with "),
+    "no bots": (lambda head: head["settings"].update(bots=None), "bots: found None; expected list"),
+    "a setting less": (
+        lambda head: head["settings"].pop("anchor"),
+        "anchor: found nothing; expected anchor, bots",
+    ),
+    "a setting more": (
+        lambda head: head["settings"].update(policy="os.system"),
+        "policy: found an unknown setting",
+    ),
     "a list for settings": (
         lambda head: head.update(settings=[1]),
         r"format: found 'hexwar league 1' with \[1\]",

@@ -129,6 +129,7 @@ SIZES = {"obs": OBS, "task": TASK, "hidden": 64, "embed": 32, "one": 1}
     ("damage", "message"),
     [
         (write("config.json", b"{"), "config.json: text: found .*; expected JSON"),
+        (write("config.json", b"[" * 60_000), "config.json: text: found maximum recursion depth"),
         (write("config.json", b"[]"), "config.json: format: found something else"),
         (write("config.json", b" " * 70_000), "config.json: file size: found 70000 bytes; expected at most"),
         (change("version", 9), "expected 'hexwar task policy', version 1"),
