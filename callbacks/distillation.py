@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import asdict
 from pathlib import Path
 from typing import cast
 
@@ -51,14 +50,13 @@ class DistillationCallback(BaseCallback):
         env = cast("VecEnv", model.get_env())
         settings = cast("TaskSettings", env.get_attr("games")[0].settings)
         self.losses = distill(
-            self.teachers, model, {**asdict(settings), "n_envs": env.num_envs}, self.lessons, model.seed or 0
+            self.teachers, model, {**vars(settings), "n_envs": env.num_envs}, self.lessons, model.seed or 0
         )
         self.logger.record("distillation/loss", self.losses[-1])
         self._mixer_games_left = self.refit_games
 
     def _freeze_agent(self, frozen: bool) -> None:
-        for parameter in cast("QMIX", self.model).policy.agent.parameters():
-            parameter.requires_grad_(not frozen)
+        cast("QMIX", self.model).policy.agent.requires_grad_(not frozen)
 
     def _on_rollout_start(self) -> None:
         self._freeze_agent(self._mixer_games_left > 0)

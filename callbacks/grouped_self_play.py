@@ -29,7 +29,8 @@ class GroupedSelfPlayCallback(BaseCallback):
     steps of the league count as the model's: `learn(1)` returns after it, a larger number learns on. The mixer stays
     the model's own, which knows nothing of the champion: fit it again (`QMIX.refit_mixer`) before learning on.
 
-    The folder is the state: the same call goes on where a league was stopped, and ends the same.
+    The folder is the state: the same call goes on where a league was stopped, and ends the same. Each `learn` with this
+    callback takes the champion over anew, whatever the model has learned since.
 
     Args:
         folder: of the league.
@@ -66,7 +67,7 @@ class GroupedSelfPlayCallback(BaseCallback):
                 f"the league's models have {widths}, the model {model.policy.sizes}: make them alike"
             )
         own = self.folder / "learner"
-        if not (own / "config.json").exists():
+        if not (self.folder / "league.json").exists():  # else it has begun, with the learner as it was then
             terms = Terms(
                 scenario=self.settings.scenario,
                 decision_ticks=played.decision_ticks,

@@ -34,6 +34,13 @@ class SelfPlayCallback(EverySteps):
 
     Example:
         >>> model.learn(240_000, callback=SelfPlayCallback(every=24_000, bots=["MA1", "MA2"], bots_share=0.5))
+
+        From a checkpoint, with the games that were running:
+
+        >>> callback = SelfPlayCallback(every=24_000, folder=Path("pool"))
+        >>> callback.seat(env)
+        >>> model = load_checkpoint("checkpoint.npz", env)
+        >>> model.learn(240_000, callback=callback, reset_num_timesteps=False)
     """
 
     def __init__(
@@ -58,11 +65,24 @@ class SelfPlayCallback(EverySteps):
     def _on_training_start(self) -> None:
         super()._on_training_start()
         if self.folder is not None and not self.pool:
+            if self._kept() and not self.now():
+                raise ConfigError(f"{self.folder} holds the pool of another training; choose an empty folder")
             self.pool = [FrozenPolicy.load(path) for path in self._kept() if int(path.name) <= self.now()]
         if self.pool:
             self.meet()
         else:
             self.fire()
+
+    def seat(self, env: VecEnv) -> None:
+        """Give an env the opponents that lie in the folder, so that `load_checkpoint` finds those of its games.
+
+        Raises:
+            ConfigError: there are none.
+        """
+        pool = [] if self.folder is None else [FrozenPolicy.load(path) for path in self._kept()]
+        if not pool:
+            raise ConfigError(f"there is no pool in {self.folder}")
+        env.env_method("set_opponent", self._weighed(pool))
 
     def _kept(self) -> list[Path]:
         """Folders of the copies, the oldest first."""
@@ -85,8 +105,11 @@ class SelfPlayCallback(EverySteps):
 
     def opponents(self) -> list[tuple[Any, float]]:
         """Bots and all copies with their weights; a copy that left the pool keeps its place, with weight 0."""
+        return self._weighed(self.pool)
+
+    def _weighed(self, pool: Sequence[Player]) -> list[tuple[Any, float]]:
         bots = [(bot, self.bots_share / len(self.bots)) for bot in self.bots]
-        past, latest = self.pool[:-1], self.pool[-1]
+        past, latest = pool[:-1], pool[-1]
         by_rank = [0, *range(len(past) - 1, 0, -1)] if past else []
         playing = set(by_rank[: self.pool_size - 1])
         share = (1 - self.bots_share) * (1 - self.latest_share if playing else 0.0)

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
+from functools import partial
 from pathlib import Path
+from typing import Any
 
 
 class HexWarError(Exception):
@@ -24,6 +26,7 @@ class UnknownNameError(HexWarError, KeyError):
 
     def __init__(self, kind: str, name: str, known: Iterable[str]) -> None:
         names = sorted(known)
+        self.parts = kind, name, names
         spelt = {known_name.casefold(): known_name for known_name in names}
         close = difflib.get_close_matches(name.casefold(), spelt, n=1)
         hint = f"did you mean {spelt[close[0]]!r}?" if close else f"known: {', '.join(names)}"
@@ -32,6 +35,9 @@ class UnknownNameError(HexWarError, KeyError):
 
     def __str__(self) -> str:
         return self.message
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), self.parts  # as it goes from process to process
 
 
 class TrainingError(HexWarError, RuntimeError):
@@ -44,6 +50,10 @@ class FileFormatError(HexWarError, ValueError):
     def __init__(self, path: str | Path, place: str, *, found: str, expected: str) -> None:
         self.path, self.place, self.found, self.expected = str(path), place, found, expected
         super().__init__(f"{path}: {place}: found {found}; expected {expected}")
+
+    def __reduce__(self) -> tuple[Callable[[], FileFormatError], tuple[()]]:
+        again = partial(type(self), self.path, self.place, found=self.found, expected=self.expected)
+        return again, ()  # as it goes from process to process
 
 
 class MapFileError(FileFormatError):

@@ -87,7 +87,9 @@ class QMIX(PlainZipAlgorithm):
         "current",
         "game_log",
         "learner",
+        "_mixer_alone",
     )
+    _mixer_alone = False  # while it alone learns
 
     def __init__(
         self,
@@ -241,6 +243,7 @@ class QMIX(PlainZipAlgorithm):
             self._periods_trained = 0
         if reset_num_timesteps or self._last_obs is None:
             self._begin_games()
+        self.policy.agent.requires_grad_(not self._mixer_alone)  # a refit that was interrupted left it frozen
         return super()._setup_learn(total_timesteps, callback, reset_num_timesteps, tb_log_name, progress_bar)
 
     @property
@@ -343,14 +346,12 @@ class QMIX(PlainZipAlgorithm):
         Args:
             total_timesteps: env steps; they count as any others.
         """
-        agent = list(self.policy.agent.parameters())
-        for parameter in agent:
-            parameter.requires_grad_(False)
+        self._mixer_alone = True
         try:
             self.learn(total_timesteps, reset_num_timesteps=False)
         finally:
-            for parameter in agent:
-                parameter.requires_grad_(True)
+            self._mixer_alone = False
+            self.policy.agent.requires_grad_(True)
 
     def train(self, gradient_steps: int, batch_size: int = 128) -> None:
         """Make the updates that are due since the last call."""

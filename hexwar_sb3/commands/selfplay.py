@@ -59,8 +59,8 @@ class SelfPlay:
         names = LeagueSettings.__dataclass_fields__
         settings = LeagueSettings(**{name: value for name, value in vars(self).items() if name in names})
         starters = {name: policy_folder(Path(path)) for name, path in named(self.starters).items()}
-        league = League.create(self.output, settings, starters)
         compile_first(scenario=self.scenario)
+        league = League.create(self.output, settings, starters)
         try:
             league.run(self.jobs, after=lambda k: print(in_words(league, k), file=sys.stderr, flush=True))
         except KeyboardInterrupt:

@@ -50,6 +50,8 @@ class Tournament:
         players = named(self.players)
         if len(players) < 2 - self.mirror or not self.scenarios or self.jobs < 1:
             raise ConfigError("a tournament needs two players, a scenario and jobs >= 1")
+        if len({Path(scenario).name for scenario in self.scenarios}) < len(self.scenarios):
+            raise ConfigError(f"two scenarios have one name: {', '.join(self.scenarios)}")
         terms = self._terms(players)
         for scenario in self.scenarios:
             compile_first(*players.values(), scenario=scenario)

@@ -174,11 +174,17 @@ class TaskGames:
         """Go on where `snapshot` was taken, in an env of the same settings; the observation there.
 
         Raises:
-            ConfigError: it was taken on another scenario, under other rules or with other bots.
+            ConfigError: it was taken on another scenario, under other rules, with other bots or more opponents.
         """
         for mine, its in zip(self._origin(), snapshot["origin"], strict=True):
             if mine != its:
                 raise ConfigError(f"these games were saved with {its}, this env has {mine}")
+        least, own = int(np.max(snapshot["opponents"])) + 1, len(self.mixture.players)
+        if own < least:
+            raise ConfigError(
+                f"these games were saved with {least} opponents or more, this env has {own}: set them first"
+                " (SelfPlayCallback.seat does)"
+            )
         for name, array in self._slots().items():
             array[...] = snapshot[name]
         self._seed, self._next_episode = (int(n) for n in snapshot["counters"])

@@ -99,8 +99,9 @@ def trained_terms(player: object) -> dict[str, Any]:
 
 
 def _whole(folder: str, name: str, text: str) -> int:
-    if not text.isdecimal() or len(text) > MAX_DIGITS:
-        raise PolicyFileError(folder, f"about.{name}", found=repr(text[:40]), expected="a whole number")
+    if not text.isdecimal() or len(text) > MAX_DIGITS or int(text) < 1:
+        expected = f"a whole number, at least 1, of at most {MAX_DIGITS} digits"
+        raise PolicyFileError(folder, f"about.{name}", found=repr(text[:40]), expected=expected)
     return int(text)
 
 

@@ -176,7 +176,7 @@ class Match:
         row = read_json(self.path, "a match")
         for key, value in self.head().items():
             found = row.get(key)
-            if found != value:
+            if key != "software" and found != value:
                 raise FileFormatError(
                     self.path, key, found=str(found), expected=f"{value}; or choose another folder"
                 )

@@ -14,7 +14,6 @@ from pathlib import Path
 from hexwar_sb3.evaluation.intervals import Estimate
 from hexwar_sb3.evaluation.jobs import run_jobs
 from hexwar_sb3.evaluation.panel import BOTS, CONSTANT_PLANS, Terms
-from hexwar_sb3.evaluation.seeds import Purpose
 from hexwar_sb3.evaluation.tournament import Meeting, Table, play_meetings
 from hexwar_sb3.experiments.carry_out import carry_out
 from hexwar_sb3.experiments.fig7 import pair
@@ -24,7 +23,7 @@ from hexwar_sb3.league.cost import Cost, added, measured, read_cost
 from hexwar_sb3.league.distil import Lessons
 from hexwar_sb3.league.heir import DISTILLED, LEARNED, HeirSpec, make_heir
 from hexwar_sb3.league.league import League
-from hexwar_sb3.league.member import CAMPS
+from hexwar_sb3.league.member import CAMPS, making
 from hexwar_sb3.league.picture import draw_league
 from hexwar_sb3.league.school import School
 from hexwar_sb3.league.settings import LeagueSettings
@@ -101,7 +100,8 @@ class Table1:
         """The league, in its working place; what was committed is gone on with."""
         folder, kept = self.work / "league", self.kept / "league"
         if not folder.exists() and kept.exists():
-            shutil.copytree(kept, folder)
+            with making(folder) as made:
+                shutil.copytree(kept, made, dirs_exist_ok=True)
         starters = {run.name: self.places.kept(run) / "policy" for run in self.warm_ups()}
         return League.create(folder, self.settings, starters)
 
@@ -138,8 +138,8 @@ class Table1:
         return specs
 
     def progress(self, league: League) -> dict[str, dict[int, Estimate]]:
-        """Win rate of the best models of each iteration, both colours, against HRL0 and the bots; games that select."""
-        terms = replace(self.terms, games=self.progress_games, purpose=Purpose.SELECTION)
+        """Win rate of the best models of each iteration, both colours, against HRL0 and the bots."""
+        terms = replace(self.terms, games=self.progress_games)
         best = {
             camp: {str(k): str(league.kept(k)[camp][0].folder) for k in self._iterations} for camp in CAMPS
         }
@@ -178,7 +178,8 @@ class Table1:
             for name, folder in found.items():
                 target = self.policy(name, camp)
                 if not target.exists():
-                    shutil.copytree(folder, target)
+                    with making(target) as made:
+                        shutil.copytree(folder, made, dirs_exist_ok=True)
 
     def policy(self, name: str, camp: str) -> Path:
         """Committed folder of a policy of the table."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import resource
 import sys
 from collections.abc import Iterable, Iterator
@@ -13,7 +14,7 @@ from hexwar_sb3.errors import FileFormatError
 from hexwar_sb3.files import read_json, write_json
 
 FILE = "cost.json"
-Cost = dict[str, dict[str, float]]  # by part: wall_s, core_s, peak_mb
+Cost = dict[str, dict[str, float]]  # by part: wall_s, core_s, peak_mb (of the largest process)
 
 
 @contextmanager
@@ -61,6 +62,18 @@ def added(costs: Iterable[Cost]) -> Cost:
 
 
 def peak_mb() -> float:
-    """Peak memory of this process so far, in MB."""
+    """Peak memory so far of this process or of one that works for it, in MB; of the others Linux alone tells."""
     unit = 1 if sys.platform == "darwin" else 1024  # bytes there, kB on Linux
-    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * unit / 1e6
+    own = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * unit / 1e6
+    return max([own, *_workers_peaks()])
+
+
+def _workers_peaks() -> Iterator[float]:
+    """Peak memory of each process that this one has started, in MB."""
+    for children in Path("/proc/self/task").glob("*/children"):
+        for pid in children.read_text(encoding="ascii").split():
+            try:
+                status = Path(f"/proc/{pid}/status").read_text(encoding="utf-8")
+            except OSError:  # it has just ended
+                continue
+            yield from (int(kb) * 1024 / 1e6 for kb in re.findall(r"VmHWM:\s*(\d+) kB", status))

@@ -16,7 +16,7 @@ from dataclasses import asdict, dataclass, fields, replace
 from pathlib import Path
 from typing import Any
 
-from hexwar_sb3.engine.world import load_world
+from hexwar_sb3.envs.registration import TASK_ENV, make_vec_env
 from hexwar_sb3.errors import ConfigError, FileFormatError
 from hexwar_sb3.evaluation.jobs import run_jobs
 from hexwar_sb3.evaluation.panel import BOTS, Terms, trained_terms
@@ -32,7 +32,7 @@ from hexwar_sb3.league.selection import play_all, select, standings
 from hexwar_sb3.league.settings import EXPLORING_SHARE, LEARNER, LeagueSettings
 from hexwar_sb3.league.work import Opponents, env_settings, env_steps, job_seed
 from hexwar_sb3.play.frozen import FrozenPolicy
-from hexwar_sb3.play.player import make_player
+from hexwar_sb3.policies.shapes import TaskShapes
 
 FORMAT = "hexwar league 1"
 FIRST = ".first"  # file of the plan of the very first best; no model is called like that
@@ -85,19 +85,19 @@ class League:
             starters: policy folders by name; one that was trained in both colours is in both.
 
         Raises:
-            ConfigError: there is a league of other settings, a colour has no starter, one is wider than the league's
+            ConfigError: there is a league of other settings or starters, a colour has no starter, one is wider than the league's
                 models, or the starters differ in decision ticks, hot spots or decision points.
             UnknownNameError: no such bot or scenario.
             PolicyFileError: a starter is broken.
         """
-        if (folder / "league.json").exists():
-            return cls.open(folder).prolonged(settings)
         policies = {name: Member("", name, path).policy() for name, path in starters.items()}
+        if (folder / "league.json").exists():
+            league = cls.open(folder).prolonged(settings)
+            league.check_starters(policies)
+            return league
         _check_starters(policies, settings)
-        load_world(settings.scenario)
-        for bot in settings.bots:
-            make_player(bot)
         league = cls(folder, settings)
+        shutil.rmtree(league._starters, ignore_errors=True)  # of a beginning that was broken off
         for name, policy in policies.items():
             policy.save(league._starters / name)
         league._write_head()
@@ -120,6 +120,20 @@ class League:
         league = League(self.folder, settings)
         league._write_head()
         return league
+
+    def check_starters(self, starters: Mapping[str, FrozenPolicy]) -> None:
+        """Whether it began with these; none are any.
+
+        Raises:
+            ConfigError: it began with others.
+        """
+        known = {path.name: path for path in self._starters.glob("*") if NAME.fullmatch(path.name)}
+        if starters and set(starters) != set(known):
+            began, given = (", ".join(sorted(names)) for names in (known, starters))
+            raise ConfigError(f"{self.folder} holds a league that began with {began}, not with {given}")
+        for name, policy in starters.items():
+            if Member("", name, known[name]).policy().sha256 != policy.sha256:
+                raise ConfigError(f"{self.folder} holds a league that began with another {name}")
 
     @property
     def _starters(self) -> Path:
@@ -157,6 +171,7 @@ class League:
             names = kept.get(camp) if isinstance(kept, dict) else None
             if (
                 not isinstance(names, list)
+                or not all(isinstance(name, str) for name in names)
                 or len(names) != self.settings.keep
                 or not set(names) <= set(by_name)
             ):
@@ -389,11 +404,16 @@ class League:
             (new / place).mkdir()
             for file in self.iteration(k).glob("*.json"):
                 shutil.copyfile(file, new / place / file.name)
-            for members in self.kept(k).values() if models or k == 0 else ():
+            generation = self.models(0) if k == 0 else self.kept(k) if models else {}
+            for members in generation.values():
                 for member in members if k in (0, done[-1]) else members[:1]:
                     member.policy().save(new / member.folder.relative_to(self.folder))
-        shutil.rmtree(folder, ignore_errors=True)
+        old = folder.with_name(f".old-{folder.name}")
+        shutil.rmtree(old, ignore_errors=True)
+        if folder.exists():
+            folder.rename(old)
         new.rename(folder)
+        shutil.rmtree(old, ignore_errors=True)
 
     @property
     def env_steps(self) -> int:
@@ -450,3 +470,13 @@ def _check_starters(policies: Mapping[str, FrozenPolicy], settings: LeagueSettin
     for name, way in ways.items():
         if way != (first := next(iter(ways.values()))):
             raise ConfigError(f"{name} was trained with {way}, others with {first}: they cannot meet")
+    terms = Terms(**{**first, "scenario": settings.scenario})
+    env = make_vec_env(TASK_ENV, **env_settings(terms, n_envs=1))
+    shapes = TaskShapes.of(env.observation_space, env.action_space)
+    has = (shapes.n_pieces, shapes.n_tasks, shapes.obs_dim, shapes.task_dim)
+    for name, policy in policies.items():
+        needs = (policy.n_pieces, policy.n_tasks, policy.sizes["obs"], policy.sizes["task"])
+        if needs != has:
+            raise ConfigError(
+                f"{name} has (pieces, tasks, features, task features) {needs}, {settings.scenario} {has}"
+            )

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any
 
+from hexwar_sb3.bots.registry import BOTS
 from hexwar_sb3.checks import check_whole
 from hexwar_sb3.envs.settings import check_share
 from hexwar_sb3.errors import ConfigError, UnknownNameError
@@ -32,6 +33,7 @@ LEARNS_BY = (
 """Arguments of QMIX that a league may set; none of them names a file."""
 MOST = {"buffer_size": 1_000_000, "batch_size": 65_536, "gradient_steps": 1_000, "n_steps": 1_000}
 """Limits of those that cost memory or time."""
+MOST_TRIALS = 100_000
 SURVIVORS = (10, 3, 1)  # of the orders that are tried, after each of the trials
 RANGES = {
     "iterations": (0, 1_000),
@@ -101,6 +103,9 @@ class LeagueSettings:
         named: tuple[object, ...] = (self.scenario, *self.bots)
         if not all(isinstance(name, str) for name in named):
             raise ConfigError(f"scenario and bots are names, got {self.scenario!r} and {self.bots!r}")
+        for bot in self.bots:
+            if bot not in BOTS:
+                raise UnknownNameError("bot", bot, BOTS)
         if len(set(self.bots)) < len(self.bots):
             raise ConfigError(f"each of the bots is named once, got {self.bots!r}")
         total = self.partner_share + self.past_share
@@ -111,7 +116,8 @@ class LeagueSettings:
         if not 1 <= len(self.school_trials) <= len(SURVIVORS):
             raise ConfigError(f"school_trials are 1 to {len(SURVIVORS)} numbers, got {self.school_trials}")
         for games in self.school_trials:
-            check_whole("games of school_trials", games, least=1)
+            if check_whole("games of school_trials", games, least=1) > MOST_TRIALS:
+                raise ConfigError(f"games of school_trials must be at most {MOST_TRIALS}, got {games}")
         self._check_learner()
 
     @property

@@ -36,7 +36,10 @@ class StartError(ConfigError):
 
     def __init__(self, name: str, problem: Problem) -> None:
         self.problem = problem
-        super().__init__(f"scenario {name!r}: {problem}")
+        super().__init__(name, problem)
+
+    def __str__(self) -> str:
+        return "scenario {!r}: {}".format(*self.args)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from hexwar_sb3.bots.atlas import make_atlas
 from hexwar_sb3.bots.records import BRAIN
+from hexwar_sb3.checks import check_whole
 from hexwar_sb3.engine.records import NEVER
 from hexwar_sb3.engine.score import margin, points_held
 from hexwar_sb3.engine.sight import remember
@@ -33,6 +34,8 @@ from hexwar_sb3.tasks.spots import SPOTS, load_spots
 Games = NDArray[np.int64]  # indices of games in the batch, [n]
 Snapshot = dict[str, NDArray[Any]]
 
+MOST_TICKS = np.iinfo(DRIVE["period"].base).max  # between two decisions
+
 
 @dataclass(frozen=True, kw_only=True)
 class Setup:
@@ -42,6 +45,16 @@ class Setup:
     early: bool = False  # also decide after an own loss or an ended task
     spots: int = SPOTS  # k of G^L(k)
     fog: bool = True  # False: lights on, for debugging
+
+    def __post_init__(self) -> None:
+        """Check the numbers: games of 0 ticks a decision would never end.
+
+        Raises:
+            ConfigError: decision ticks are out of their range.
+        """
+        for ticks in self.decision_ticks:
+            if check_whole("decision_ticks", ticks, least=1) > MOST_TICKS:
+                raise ConfigError(f"decision_ticks must be at most {MOST_TICKS}, got {ticks}")
 
 
 class Arena:

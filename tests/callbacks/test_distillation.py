@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, cast
 
+import numpy as np
 import pytest
 import torch
 from sb3_contrib import MaskablePPO
+from stable_baselines3.common.callbacks import BaseCallback
 
 from hexwar_sb3.algorithms.hierarchical import HierarchicalQMIX
 from hexwar_sb3.algorithms.qmix import QMIX
@@ -51,6 +54,44 @@ def test_the_model_learns_its_teachers_choices_then_its_mixer_then_on(tmp_path: 
     assert torch.equal(agents[0], agents[1])  # the first four games, two at a time
     assert not torch.equal(mixers[0], mixers[1])
     assert not torch.equal(agents[-2], agents[-1])
+
+
+class Stop(BaseCallback):
+    """Ctrl-C at the first step."""
+
+    def _on_step(self) -> bool:
+        raise KeyboardInterrupt
+
+
+def test_a_training_after_one_that_was_interrupted_learns_with_all_of_it() -> None:
+    model = qmix(2)
+    with pytest.raises(KeyboardInterrupt):
+        model.learn(
+            48, callback=[DistillationCallback([qmix(1).policy.freeze()], SHORT, refit_games=4), Stop()]
+        )
+    before = flat(model.policy.agent)
+    model.learn(48, reset_num_timesteps=False)
+
+    assert not torch.equal(before, flat(model.policy.agent))
+
+
+@dataclass
+class Waiting:
+    """An opponent that is a dataclass."""
+
+    task: int
+
+    def act(self, obs: dict[str, Any]) -> Any:
+        return np.full(obs["action_mask"].shape[:2], self.task)
+
+
+def test_opponents_of_the_env_may_be_any_objects() -> None:
+    env = make_vec_env(n_envs=2, seed=1, privileged_state=True, opponent=Waiting(0))
+    model = QMIX("TaskPolicy", env, seed=2, **SMALL)
+    callback = DistillationCallback([qmix(1).policy.freeze()], Lessons(games=2, updates=2), refit_games=0)
+    model.learn(2, callback=callback)
+
+    assert len(callback.losses) == 2
 
 
 def test_both_levels_of_a_student_are_its_teachers(tmp_path: Path) -> None:

@@ -10,6 +10,7 @@ import pytest
 from sb3_contrib import MaskablePPO
 from stable_baselines3.common.vec_env import VecEnv, VecMonitor
 
+from hexwar_sb3.algorithms.checkpoint import load_checkpoint, save_checkpoint
 from hexwar_sb3.algorithms.qmix import QMIX
 from hexwar_sb3.callbacks.self_play import SelfPlayCallback, frozen_copy
 from hexwar_sb3.envs.registration import make_vec_env
@@ -95,6 +96,30 @@ def test_a_pool_in_a_folder_is_gone_on_with(tmp_path: Path) -> None:
 
     assert sorted(int(path.name) for path in tmp_path.iterdir()) == [0, 48, 96]
     assert len(pool.pool) == 3
+
+
+def test_a_training_goes_on_from_a_checkpoint_with_the_opponents_of_its_games(tmp_path: Path) -> None:
+    model, place = qmix(), tmp_path / "pool"
+    model.learn(72, callback=SelfPlayCallback(24, folder=place))  # in the midst of the second games
+    save_checkpoint(model, tmp_path / "checkpoint.npz")
+    model.learn(48, callback=SelfPlayCallback(24, folder=place), reset_num_timesteps=False)
+
+    env, pool = games(privileged_state=True), SelfPlayCallback(24, folder=place)
+    with pytest.raises(ConfigError, match=r"saved with 2 opponents or more, this env has 1: set them first"):
+        load_checkpoint(tmp_path / "checkpoint.npz", env)
+    pool.seat(env)
+    again = load_checkpoint(tmp_path / "checkpoint.npz", env)
+    again.learn(48, callback=pool, reset_num_timesteps=False)
+
+    assert again.policy.freeze().sha256 == model.policy.freeze().sha256
+
+
+def test_a_pool_is_of_one_training(tmp_path: Path) -> None:
+    qmix().learn(2, callback=SelfPlayCallback(48, folder=tmp_path))
+    with pytest.raises(ConfigError, match="holds the pool of another training"):
+        qmix().learn(2, callback=SelfPlayCallback(48, folder=tmp_path))
+    with pytest.raises(ConfigError, match="there is no pool in"):
+        SelfPlayCallback(48, folder=tmp_path / "none").seat(games())
 
 
 def test_a_wrong_share_is_named() -> None:

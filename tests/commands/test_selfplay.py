@@ -75,7 +75,26 @@ def test_teachers_become_one_policy(
     assert FrozenPolicy.load(tmp_path / "student").about["teachers"] == "run_1, run_2"
 
 
+def test_teachers_of_different_camps_need_a_word(
+    starters: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    env = make_vec_env(n_envs=1, privileged_state=True)
+    model = QMIX("TaskPolicy", env, seed=3, buffer_size=10)
+    as_member(model, side="red", scenario="plain").save(tmp_path / "red")
+    words = ("distill", str(tmp_path / "red"), "--games", "2", "--updates", "3")
+
+    assert run(*words, "--output", str(tmp_path / "one")) == 0
+    assert FrozenPolicy.load(tmp_path / "one").about["side"] == "red"
+    both = ("distill", starters[0], *words[1:])
+    assert run(*both, "--output", str(tmp_path / "two")) == 2
+    assert "trained as different camps" in capsys.readouterr().err
+    assert run(*both, "--side", "red", "--output", str(tmp_path / "two")) == 0
+    assert FrozenPolicy.load(tmp_path / "two").about["side"] == "red"
+
+
 MISTAKES: dict[str, tuple[tuple[str, ...], str]] = {
+    "nobody to learn from": (("distill",), "name a teacher"),
+    "a teacher's seed": (("distill", "--seed", "-1", "x"), "seed must be in 0..999999"),
     "nobody": (("selfplay",), "no model to begin with for red"),
     "a folder without a policy": (("selfplay", "here=."), "config.json"),
     "shares": (("selfplay", "--partner-share", "0.9", "--past-share", "0.9"), "must add up to at most 1"),

@@ -7,10 +7,14 @@ from pathlib import Path
 
 import pytest
 
-from hexwar_sb3.errors import FileFormatError
+from hexwar_sb3.algorithms.qmix import QMIX
+from hexwar_sb3.envs.registration import make_vec_env
+from hexwar_sb3.errors import FileFormatError, HexWarError, PolicyFileError
+from hexwar_sb3.evaluation.jobs import run_jobs
 from hexwar_sb3.evaluation.matches import play_match
 from hexwar_sb3.evaluation.panel import Terms
 from hexwar_sb3.evaluation.tournament import Meeting, fingerprint, play_meetings, single_round_robin
+from hexwar_sb3.play.frozen import FrozenPolicy
 
 PLAYERS: dict[str, object] = {"MA1": "MA1", "near": "nearest", "any": "random"}
 TERMS = Terms(games=4)
@@ -69,6 +73,35 @@ def test_a_file_of_other_games_is_refused(tmp_path: Path) -> None:
     other = {**PLAYERS, "near": "MA2"}
     with pytest.raises(FileFormatError, match=r"players: found .*nearest.*; expected .*MA2"):
         play_meetings(meetings, other, PLAYERS, TERMS, tmp_path)
+
+
+def test_another_version_of_the_program_goes_on(tmp_path: Path) -> None:
+    """Rules, bots, scenario and players must be equal."""
+    meetings = [Meeting(red="near", blue="any", scenario="plain")]
+    before = play_meetings(meetings, PLAYERS, PLAYERS, TERMS, tmp_path)
+    path = tmp_path / meetings[0].file
+    path.write_text(json.dumps({**json.loads(path.read_text()), "software": "0.0.1"}))
+    after = play_meetings(meetings, PLAYERS, PLAYERS, TERMS, tmp_path)
+
+    assert after.rows[meetings[0]]["red_games"] == before.rows[meetings[0]]["red_games"]
+
+
+@pytest.mark.parametrize(("ticks", "message"), [("0", "at least 1"), ("40000", "at most 32767")])
+def test_a_policy_that_would_never_decide_is_refused(ticks: str, message: str, tmp_path: Path) -> None:
+    model = QMIX("TaskPolicy", make_vec_env(n_envs=1, privileged_state=True), seed=0, buffer_size=10)
+    model.policy.freeze(decision_ticks=ticks).save(tmp_path / "policy")
+    players = {"stranger": str(tmp_path / "policy"), "near": "nearest"}
+    meetings = [Meeting(red="stranger", blue="near", scenario="plain")]
+    with pytest.raises(HexWarError, match=message):
+        play_meetings(meetings, players, players, TERMS, tmp_path / "matches")
+
+
+def test_a_broken_policy_is_named_from_another_process(tmp_path: Path) -> None:
+    model = QMIX("TaskPolicy", make_vec_env(n_envs=1, privileged_state=True), seed=0, buffer_size=10)
+    model.policy.freeze().save(tmp_path / "policy")
+    (tmp_path / "policy" / "weights.safetensors").write_bytes(b"")
+    with pytest.raises(PolicyFileError, match=r"weights\.safetensors: sha256: found other weights"):
+        run_jobs(FrozenPolicy.load, [tmp_path / "policy"] * 2, 2, "policy")
 
 
 @pytest.mark.parametrize(

@@ -103,6 +103,24 @@ def test_the_pipeline_goes_from_warm_ups_to_the_table(pipeline: Table1) -> None:
     assert not list((pipeline.kept / "league").glob("*/groups"))  # small files only
 
 
+def test_a_copy_that_was_broken_off_is_not_taken_for_whole(
+    pipeline: Table1, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pipeline.run(lambda _: None)
+    for folder in (pipeline.work, pipeline.kept / "policies"):
+        shutil.rmtree(folder)
+
+    def killed(source: Path, made: Path, **_: object) -> None:
+        shutil.copyfile(next(source.rglob("*.json")), made / "half.json")
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(shutil, "copytree", killed)
+    with pytest.raises(KeyboardInterrupt):
+        pipeline.league()
+
+    assert not pipeline.work.joinpath("league").exists()
+
+
 def test_what_is_committed_is_enough_to_go_on(pipeline: Table1) -> None:
     pipeline.run(lambda _: None)
     shutil.rmtree(pipeline.work)

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 from pathlib import Path
 from time import sleep
 
 import pytest
 
-from hexwar_sb3.league.cost import FILE, added, measured, read_cost
+from hexwar_sb3.league.cost import FILE, added, measured, peak_mb, read_cost
 
 
 def test_parts_add_up_and_others_stay(tmp_path: Path) -> None:
@@ -22,6 +24,19 @@ def test_parts_add_up_and_others_stay(tmp_path: Path) -> None:
     assert found["groups"]["core_s"] == pytest.approx(2 * found["groups"]["wall_s"], abs=0.2)
     assert found["matches"]["core_s"] < found["matches"]["wall_s"]  # it slept
     assert found["matches"]["peak_mb"] > 0
+
+
+@pytest.mark.skipif(not Path("/proc").is_dir(), reason="the system does not tell")
+def test_memory_is_that_of_the_largest_process() -> None:
+    held = "block = bytearray(1_500_000_000); print(flush=True); input()"
+    command = [sys.executable, "-c", held]
+    with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE) as worker:
+        assert worker.stdout is not None
+        worker.stdout.readline()
+        found = peak_mb()
+        worker.communicate(b"\n")
+
+    assert found > 1_500 > peak_mb()
 
 
 def test_what_breaks_off_has_cost_all_the_same(tmp_path: Path) -> None:

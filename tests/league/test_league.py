@@ -305,6 +305,33 @@ def test_other_settings_are_refused(whole: League, starters: dict[str, Path]) ->
         League.create(whole.folder, replace(whole.settings, games=5), starters)
 
 
+def test_other_models_to_begin_with_are_refused(whole: League, starters: dict[str, Path]) -> None:
+    with pytest.raises(ConfigError, match="a league that began with one, two, not with one, three"):
+        League.create(whole.folder, whole.settings, {"one": starters["one"], "three": starters["two"]})
+    with pytest.raises(ConfigError, match="a league that began with another one"):
+        League.create(whole.folder, whole.settings, {"one": starters["two"], "two": starters["two"]})
+
+
+def test_a_scenario_with_other_pieces_leaves_no_league(
+    tiny: LeagueSettings, tmp_path: Path, starters: dict[str, Path]
+) -> None:
+    policy = FrozenPolicy.load(starters["one"])
+    small = FrozenPolicy(policy.weights, n_pieces=3, n_tasks=policy.n_tasks, about=policy.about)
+    small.save(tmp_path / "small")
+    with pytest.raises(ConfigError, match=r"small has \(pieces, .*\) \(3, 40, 257, 36\), plain \(7, 40, 257"):
+        League.create(tmp_path / "league", tiny, {"small": tmp_path / "small"})
+    assert not (tmp_path / "league" / "league.json").exists()
+
+
+def test_a_beginning_that_was_broken_off_leaves_no_models(
+    tiny: LeagueSettings, tmp_path: Path, starters: dict[str, Path]
+) -> None:
+    shutil.copytree(starters["two"], tmp_path / "iteration_00" / "models" / "three")
+    league = League.create(tmp_path, tiny, starters)
+
+    assert [member.name for member in league.starters("red")] == ["one", "two"]
+
+
 def test_a_colour_needs_a_model_to_begin_with(tiny: LeagueSettings, tmp_path: Path) -> None:
     with pytest.raises(ConfigError, match="no model to begin with for red"):
         League.create(tmp_path / "league", tiny, {})
@@ -314,7 +341,7 @@ def test_a_colour_needs_a_model_to_begin_with(tiny: LeagueSettings, tmp_path: Pa
 def test_a_bot_that_does_not_exist_leaves_no_league(
     tiny: LeagueSettings, starters: dict[str, Path], tmp_path: Path
 ) -> None:
-    with pytest.raises(UnknownNameError, match="unknown player 'MA7'"):
+    with pytest.raises(UnknownNameError, match="unknown bot 'MA7'"):
         League.create(tmp_path / "league", replace(tiny, bots=("MA7",)), starters)
     assert not (tmp_path / "league").exists()
 
@@ -388,7 +415,9 @@ def test_a_foreign_league_is_refused(broken: str, whole: League, tmp_path: Path)
         League.open(tmp_path)
 
 
-@pytest.mark.parametrize("names", [["../../../etc", "x"], ["2-r0b0"], 7, ["2-r0b0", "9-r0b0"]])
+@pytest.mark.parametrize(
+    "names", [["../../../etc", "x"], [["2-r0b0"], 7], ["2-r0b0"], 7, ["2-r0b0", "9-r0b0"]]
+)
 def test_names_in_a_table_are_models_of_its_iteration(names: object, whole: League, tmp_path: Path) -> None:
     shutil.copytree(whole.folder, tmp_path / "league")
     league = League.open(tmp_path / "league")

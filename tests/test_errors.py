@@ -1,0 +1,32 @@
+"""Errors cross from a worker's process to the one that waits for it."""
+
+from __future__ import annotations
+
+import pickle
+
+import pytest
+
+from hexwar_sb3.errors import FileFormatError, HexWarError, UnknownNameError
+from hexwar_sb3.maps.scenario import Problem, StartError
+
+
+def kinds(kind: type[HexWarError]) -> list[type[HexWarError]]:
+    return [kind, *(deeper for below in kind.__subclasses__() for deeper in kinds(below))]
+
+
+def made(kind: type[HexWarError]) -> HexWarError:
+    if issubclass(kind, FileFormatError):
+        return kind("a.json", "line 7", found="this", expected="that")
+    if issubclass(kind, StartError):
+        return kind("plain", Problem("tank0", "a cell", "no cell"))
+    return kind("bot", "MA3", ["MA1", "MA2"]) if issubclass(kind, UnknownNameError) else kind("no")
+
+
+@pytest.mark.parametrize("kind", kinds(HexWarError))
+def test_an_error_is_the_same_in_another_process(kind: type[HexWarError]) -> None:
+    error = made(kind)
+    again = pickle.loads(pickle.dumps(error))  # noqa: S301  # our own
+
+    assert type(again) is kind
+    assert str(again) == str(error)
+    assert vars(again) == vars(error)
