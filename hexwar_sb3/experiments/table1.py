@@ -21,7 +21,7 @@ from hexwar_sb3.experiments.runs import Budget, Places, Run
 from hexwar_sb3.files import read_json
 from hexwar_sb3.league.cost import Cost, added, measured, read_cost
 from hexwar_sb3.league.distil import Lessons
-from hexwar_sb3.league.heir import DISTILLED, LEARNED, HeirSpec, make_heir
+from hexwar_sb3.league.heir import DISTILLED, LEARNED, TAUGHT, HeirSpec, Practice, make_heir
 from hexwar_sb3.league.league import League
 from hexwar_sb3.league.member import CAMPS, making
 from hexwar_sb3.league.picture import draw_league
@@ -46,6 +46,7 @@ class Table1:
     settings: LeagueSettings = field(default_factory=lambda: LeagueSettings(hidden=128))
     lessons: Lessons = field(default_factory=Lessons)
     school: School = field(default_factory=School)  # of CAI, after it was distilled
+    practice: Practice = field(default_factory=Practice)  # and after that
     games: int = 2_000  # a cell
     progress_games: int = 400  # a colour and opponent, for each point of the league's picture
     jobs: int = 1  # side by side
@@ -70,7 +71,7 @@ class Table1:
             return None
         league = self.league()
         league.run(self.jobs, after=lambda k: self._after(league, k, say))
-        say("heirs: distillation, then school")
+        say("heirs: distillation, school, practice")
         missing = [spec for spec in self.heirs(league) if not self.policy("CAI", spec.camp).is_dir()]
         if missing:
             with measured(self.kept, "heirs", self.jobs):
@@ -125,13 +126,14 @@ class Table1:
                     elders=(*last[camp][:2], first[camp][0]),
                     lessons=self.lessons,
                     school=self.school,
+                    practice=self.practice,
                     opponents=[*latest.items(), *(one for one in others if one[0] not in latest)],
                     rivals=league.rivals(settings.iterations + 1, camp),
                     trial=league.terms(settings.iterations + 1, settings.trial_games),
                     seed=(settings.seed, settings.iterations + 1),
                     folder=self.work / "heirs" / camp,
                     env=league.env(),
-                    learner=league.learner(settings.games, 1),
+                    learner=league.learner(self.practice.games, 1),
                     about=league.terms(0, 1).about(),
                 )
             )
@@ -172,7 +174,7 @@ class Table1:
                 "HRL0": first[camp][0].folder,
                 "HRL1": last[camp][0].folder,
                 "HRL2": last[camp][1].folder,
-                DISTILLED: heir / DISTILLED,
+                DISTILLED: heir / TAUGHT / DISTILLED,
                 "CAI": heir / LEARNED,
             }
             for name, folder in found.items():

@@ -192,6 +192,7 @@ def write(table: Table, pipeline: Table1, lay_out: LayOut) -> tuple[Row, str]:
     figures = {
         "command": "hexwar experiments table1",
         "settings": asdict(pipeline.settings),
+        "heirs": {name: asdict(getattr(pipeline, name)) for name in ("lessons", "school", "practice")},
         "games": pipeline.games,
         **provenance(scenario),
         "cells": cells,

@@ -62,7 +62,7 @@ def _draw_progress(axes: Axes, progress: Progress) -> None:
             alpha=0.2,
             linewidth=0,
         )
-    axes.set(title="the best model of each iteration", xlabel="iteration", ylabel="win rate", ylim=(0, 1))
+    axes.set(title="the best model of each iteration", xlabel="iteration", ylabel="win rate", ylim=(0, 1.02))
     axes.xaxis.set_major_locator(MaxNLocator(integer=True))
     axes.grid(alpha=0.3)
     if progress:

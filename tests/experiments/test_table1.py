@@ -17,12 +17,14 @@ from hexwar_sb3.evaluation.tournament import Meeting, Table
 from hexwar_sb3.experiments.runs import Places
 from hexwar_sb3.experiments.table1 import COLUMNS, ROWS, Table1
 from hexwar_sb3.experiments.table1_page import PAPER, bar, in_words, missed, no_worse, rows, write
+from hexwar_sb3.league import heir
 from hexwar_sb3.league.distil import Lessons
-from hexwar_sb3.league.heir import DISTILLED
-from hexwar_sb3.league.member import as_member
+from hexwar_sb3.league.heir import DISTILLED, LEARNED, Practice
+from hexwar_sb3.league.member import CAMPS, as_member
 from hexwar_sb3.league.plans import Planning
 from hexwar_sb3.league.school import School
 from hexwar_sb3.league.settings import LeagueSettings
+from hexwar_sb3.play.frozen import FrozenPolicy
 
 WINS = {"HRL0": 2, "HRL1": 3, "HRL2": 3, "CAI": 4, DISTILLED: 1}  # of 4 games as red; as blue the same
 """What each row's player reaches against anybody in the tests."""
@@ -71,6 +73,7 @@ def pipeline(tmp_path: Path) -> Table1:
         seeds=(0, 1),
         settings=settings,
         lessons=lessons,
+        practice=Practice(games=2, rounds=1, refit_games=1, trial_games=1),
         school=School(lessons=lessons, rounds=1, planning=Planning(times=(300,), trials=((1, 1),), sights=2)),
         games=2,
         progress_games=2,
@@ -101,6 +104,20 @@ def test_the_pipeline_goes_from_warm_ups_to_the_table(pipeline: Table1) -> None:
     assert (pipeline.kept / "league.png").stat().st_size > 10_000
     assert (pipeline.kept / "league" / "iteration_01" / "table.json").exists()
     assert not list((pipeline.kept / "league").glob("*/groups"))  # small files only
+
+
+def test_an_heir_that_was_broken_off_goes_on_from_what_it_was_taught(
+    pipeline: Table1, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pipeline.run(lambda _: None)
+    before = {camp: FrozenPolicy.load(pipeline.policy("CAI", camp)).sha256 for camp in CAMPS}
+    for camp in CAMPS:
+        shutil.rmtree(pipeline.policy("CAI", camp))
+        shutil.rmtree(pipeline.work / "heirs" / camp / LEARNED)
+    monkeypatch.setattr(heir, "distill", None)
+    pipeline.run(lambda _: None)
+
+    assert before == {camp: FrozenPolicy.load(pipeline.policy("CAI", camp)).sha256 for camp in CAMPS}
 
 
 def test_a_copy_that_was_broken_off_is_not_taken_for_whole(
