@@ -29,9 +29,8 @@ class Distill:
         tuple[str, ...], tyro.conf.Positional, tyro.conf.arg(metavar="POLICY...", help=TEACHERS)
     ]
     output: Path = Path("distilled")  # folder of the student's policy
-    side: Literal["red", "blue", "both"] | None = (
-        None  # camp that the teachers play; else the one of their training
-    )
+    # camp that the teachers play; else the one of their training
+    side: Literal["red", "blue", "both"] | None = None
     opponents: tuple[str, ...] = ("MA1", "MA2")  # of the teachers: bots' names or policy folders
     games: int = 400  # that each teacher plays
     epsilon: float = 0.05  # probability of a random task in these games

@@ -92,9 +92,9 @@ class League:
         """
         policies = {name: Member("", name, path).policy() for name, path in starters.items()}
         if (folder / "league.json").exists():
-            league = cls.open(folder).prolonged(settings)
+            league = cls.open(folder)
             league.check_starters(policies)
-            return league
+            return league.prolonged(settings)
         _check_starters(policies, settings)
         league = cls(folder, settings)
         shutil.rmtree(league._starters, ignore_errors=True)  # of a beginning that was broken off
