@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import os
+import signal
 import warnings
 from collections.abc import Callable, Sequence
+from threading import current_thread, main_thread
 from typing import TypeVar
 
 from joblib import Parallel, delayed
@@ -27,4 +30,11 @@ def run_jobs(function: Callable[[Spec], object], specs: Sequence[Spec], jobs: in
     with warnings.catch_warnings():
         # Maps that a game reads into memory look like a leak, and loky starts another worker: nothing is lost.
         warnings.filterwarnings("ignore", "A worker stopped while some jobs", UserWarning)
-        Parallel(n_jobs=jobs)(delayed(function)(spec) for spec in shown)
+        Parallel(n_jobs=jobs)(delayed(_call)(function, spec, os.getpid()) for spec in shown)
+
+
+def _call(function: Callable[[Spec], object], spec: Spec, waiting: int) -> object:
+    """Call it; in a process of its own Ctrl-C is for the process that waits, which then ends this one."""
+    if os.getpid() != waiting and current_thread() is main_thread():
+        signal.signal(signal.SIGINT, signal.SIG_IGN)
+    return function(spec)
