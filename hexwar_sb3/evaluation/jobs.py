@@ -34,7 +34,7 @@ def run_jobs(function: Callable[[Spec], object], specs: Sequence[Spec], jobs: in
 
 
 def _call(function: Callable[[Spec], object], spec: Spec, waiting: int) -> object:
-    """Call it; in a process of its own Ctrl-C is for the process that waits, which then ends this one."""
+    """Call it; in a process of its own Ctrl-C ends it without a word: the process that waits says what is to be said."""
     if os.getpid() != waiting and current_thread() is main_thread():
-        signal.signal(signal.SIGINT, signal.SIG_IGN)
+        signal.signal(signal.SIGINT, signal.SIG_DFL)
     return function(spec)

@@ -14,9 +14,11 @@ import joblib
 from hexwar_sb3.evaluation.jobs import run_jobs
 
 NAPS = """
-import sys, time
+import signal, sys, time
 from pathlib import Path
 from hexwar_sb3.evaluation.jobs import run_jobs
+
+signal.signal(signal.SIGINT, signal.default_int_handler)  # tests in the background were told to ignore it
 
 def nap(place):
     Path(place).touch()
