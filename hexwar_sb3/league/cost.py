@@ -63,17 +63,27 @@ def added(costs: Iterable[Cost]) -> Cost:
 
 def peak_mb() -> float:
     """Peak memory so far of this process or of one that works for it, in MB; of the others Linux alone tells."""
-    unit = 1 if sys.platform == "darwin" else 1024  # bytes there, kB on Linux
-    own = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * unit / 1e6
-    return max([own, *_workers_peaks()])
+    found = [_peak_of("self"), *map(_peak_of, _workers())]
+    known = [mb for mb in found if mb is not None]
+    if known:
+        return max(known)
+    unit = 1 if sys.platform == "darwin" else 1024  # bytes there, kB elsewhere
+    return (
+        resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * unit / 1e6
+    )  # on Linux it begins with the parent's
 
 
-def _workers_peaks() -> Iterator[float]:
-    """Peak memory of each process that this one has started, in MB."""
+def _workers() -> Iterator[str]:
+    """Numbers of the processes that this one has started."""
     for children in Path("/proc/self/task").glob("*/children"):
-        for pid in children.read_text(encoding="ascii").split():
-            try:
-                status = Path(f"/proc/{pid}/status").read_text(encoding="utf-8")
-            except OSError:  # it has just ended
-                continue
-            yield from (int(kb) * 1024 / 1e6 for kb in re.findall(r"VmHWM:\s*(\d+) kB", status))
+        yield from children.read_text(encoding="ascii").split()
+
+
+def _peak_of(pid: str) -> float | None:
+    """Peak memory of a process in MB; None where it is not told, or the process has ended."""
+    try:
+        status = Path(f"/proc/{pid}/status").read_text(encoding="utf-8")
+    except OSError:
+        return None
+    found = re.search(r"VmHWM:\s*(\d+) kB", status)
+    return None if found is None else int(found[1]) * 1024 / 1e6
