@@ -85,8 +85,9 @@ class League:
             starters: policy folders by name; one that was trained in both colours is in both.
 
         Raises:
-            ConfigError: there is a league of other settings or starters, a colour has no starter, one is wider than the league's
-                models, or the starters differ in decision ticks, hot spots or decision points.
+            ConfigError: there is a league of other settings or starters, a colour has no starter, one is wider than the
+                league's models or was trained with other pieces than the scenario's, or the starters differ in
+                decision ticks, hot spots or decision points.
             UnknownNameError: no such bot or scenario.
             PolicyFileError: a starter is broken.
         """

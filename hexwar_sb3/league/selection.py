@@ -73,8 +73,9 @@ def standings(table: Table, camp: str, bots: Sequence[str] = (), bots_share: flo
         bots_share: weight of the bot that a model does worst against.
 
     Returns:
-        Rows with the weighted win rate in 0..1, its Wilson interval for as many games of equal weight (left out of it: that the
-        worst bot was picked by these games, and that a league's judges saw some of those against bots), and the margin with the same weights, in points.
+        Rows with the weighted win rate in 0..1, its Wilson interval for as many games of equal weight, and the margin
+        with the same weights, in points. The interval leaves out that the worst bot was picked by these games, and that
+        a league's judges saw some of those against bots.
     """
     enemy = "blue" if camp == "red" else "red"
     rows: dict[str, list[tuple[bool, Mapping[str, Any]]]] = {}

@@ -69,11 +69,8 @@ class LeagueSettings:
     anchor: float = 0.1  # weight of staying near what entered the group; 0: as in the paper
     partner_share: float = 0.2  # of these games against the partner
     past_share: float = 0.3  # against the best of the iterations before; half of them are the very first's
-    bots: tuple[str, ...] = (
-        "MA1",
-        "MA2",
-        "all-main",
-    )  # the rest; the worst result against one weighs as much
+    # of these games the rest; the worst result against one of them weighs as much in the average that selects
+    bots: tuple[str, ...] = ("MA1", "MA2", "all-main")
     refit_games: int = 50  # before them, in which the mixer alone learns: it is new, the replay empty
     cooling: float = 0.85  # an iteration's learning rate, as part of that before it
     trial_games: int = 60  # of a version against each of its rivals; the best is the group's
@@ -94,8 +91,7 @@ class LeagueSettings:
             UnknownNameError: no such argument of the learner.
         """
         for name, (least, most) in RANGES.items():
-            if check_whole(name, getattr(self, name), least=least) > most:
-                raise ConfigError(f"{name} must be at most {most}, got {getattr(self, name)}")
+            check_whole(name, getattr(self, name), least=least, most=most)
         for name in ("partner_share", "past_share", "cooling"):
             check_share(name, check_number(name, getattr(self, name)))
         if not 0.0 <= check_number("anchor", self.anchor) < float("inf"):
@@ -116,8 +112,7 @@ class LeagueSettings:
         if not 1 <= len(self.school_trials) <= len(SURVIVORS):
             raise ConfigError(f"school_trials are 1 to {len(SURVIVORS)} numbers, got {self.school_trials}")
         for games in self.school_trials:
-            if check_whole("games of school_trials", games, least=1) > MOST_TRIALS:
-                raise ConfigError(f"games of school_trials must be at most {MOST_TRIALS}, got {games}")
+            check_whole("games of school_trials", games, least=1, most=MOST_TRIALS)
         self._check_learner()
 
     @property
@@ -140,8 +135,7 @@ class LeagueSettings:
                 raise ConfigError(f"{name} of the learner is a number or a name, got {value!r}")
         check_number("learning_rate of the learner", self.learner.get("learning_rate", 0.0))
         for name, most in MOST.items():
-            if check_whole(f"{name} of the learner", self.learner.get(name, 1), least=1) > most:
-                raise ConfigError(f"{name} of the learner must be at most {most}, got {self.learner[name]}")
+            check_whole(f"{name} of the learner", self.learner.get(name, 1), least=1, most=most)
 
 
 def check_number(setting: str, value: object) -> float:

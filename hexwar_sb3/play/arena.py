@@ -53,8 +53,7 @@ class Setup:
             ConfigError: decision ticks are out of their range.
         """
         for ticks in self.decision_ticks:
-            if check_whole("decision_ticks", ticks, least=1) > MOST_TICKS:
-                raise ConfigError(f"decision_ticks must be at most {MOST_TICKS}, got {ticks}")
+            check_whole("decision_ticks", ticks, least=1, most=MOST_TICKS)
 
 
 class Arena:
