@@ -69,6 +69,7 @@ class HierarchicalQMIX(QMIX):
         lower_env: a route env; None makes one from the task env's own settings. What its reward is made of is the model's too.
         phase_ticks: game ticks of the upper level between two phases of the lower level, and of such a phase, of
             all games together; a game has 1,800. 0 for the second trains the upper level alone.
+        lower_first: a phase of the lower level comes before the upper level's first.
         lower_kwargs: arguments of `MaskedDQN` that differ from `LOWER_DEFAULTS`.
         route_kwargs: settings of the route env that differ from the task env's (alpha, beta, ways, scenario ...),
             and n_envs.
@@ -97,6 +98,7 @@ class HierarchicalQMIX(QMIX):
         phase_ticks: tuple[int, int] = (3_000_000, 2_500_000),
         lower_kwargs: dict[str, Any] | None = None,
         route_kwargs: dict[str, Any] | None = None,
+        lower_first: bool = False,
         takeover: float = 0.97,
         tie: float = 0.4,
         _init_setup_model: bool = True,
@@ -110,6 +112,7 @@ class HierarchicalQMIX(QMIX):
         if not 0.0 <= tie < float("inf"):
             raise ConfigError(f"tie must be finite and at least 0, got {tie}")
         self.phase_ticks, self.takeover, self.tie = tuple(phase_ticks), takeover, tie
+        self.lower_first = lower_first
         self.lower_kwargs, self.route_kwargs = dict(lower_kwargs or {}), dict(route_kwargs or {})
         self.lower_env = lower_env
         if lower_env is not None:
@@ -170,7 +173,7 @@ class HierarchicalQMIX(QMIX):
     def lower_is_due(self) -> bool:
         """The phase: whether the lower level is behind its share (III-C, "Alternate Training")."""
         upper, lower = self.phase_ticks
-        return self.lower_ticks < self.upper_ticks // upper * lower
+        return self.lower_ticks < (self.upper_ticks // upper + self.lower_first) * lower
 
     def collect_rollouts(
         self, env: VecEnv, callback: BaseCallback, *args: Any, **kwargs: Any

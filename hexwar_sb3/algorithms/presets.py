@@ -2,16 +2,34 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from typing import Any
 
+from hexwar_sb3.play.records import DECISION_TICKS
+
 Settings = dict[str, Any]
+LEARNER = (
+    *("mixer", "learning_rate", "final_learning_rate", "batch_size", "tau", "gamma", "n_steps", "td_lambda"),
+    *("double_q", "gradient_steps", "stickiness"),
+    *("exploration_initial_eps", "exploration_final_eps", "exploration_episodes"),
+)
+"""Settings that are arguments of QMIX."""
+WIDTHS = ("hidden", "embed")  # of its networks
+PARTS = {
+    **{name: ("env", name) for name in ("reward", "decisions", "spots")},
+    **{name: ("route", name) for name in ("alpha", "beta", "beta_per", "ways")},
+    **{name: ("learner", name) for name in LEARNER},
+    "lower_gamma": ("lower_learner", "gamma"),
+}
+"""Where in a preset a setting lies: part and key; what is not here is a field of its own."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Preset:
     """What `hexwar train` takes where nothing is said."""
 
+    decision_ticks: int = DECISION_TICKS  # Delta-t, ticks between two decisions
     n_envs: int = 32  # games side by side
     lower: str = "learned"  # who leads the pieces; or "heuristic", or a folder
     phase_ticks: tuple[int, int] = (
@@ -27,6 +45,29 @@ class Preset:
     learner: Settings = field(default_factory=dict)  # of `QMIX`
     # of `MaskedDQN`, where it differs from LOWER_DEFAULTS
     lower_learner: Settings = field(default_factory=dict)
+
+    def changed(self, settings: Mapping[str, Any]) -> Preset:
+        """The same preset with other values.
+
+        Args:
+            settings: values by name, those of `hexwar train`'s flags and `WIDTHS`; None leaves the preset's.
+        """
+        new: Settings = {}
+        for name, value in settings.items():
+            if value is None:
+                continue
+            if name in WIDTHS:
+                learner = new.get("learner", self.learner)
+                new["learner"] = {
+                    **learner,
+                    "policy_kwargs": {**learner.get("policy_kwargs", {}), name: value},
+                }
+            elif name in PARTS:
+                part, key = PARTS[name]
+                new[part] = {**new.get(part, getattr(self, part)), key: value}
+            else:
+                new[name] = value
+        return replace(self, **new)
 
     def lower_ticks(self, upper_ticks: int) -> int:
         """Game ticks of the lower level in a training with so many of the upper one."""

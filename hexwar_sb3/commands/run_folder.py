@@ -35,6 +35,11 @@ class RunFolder:
         return self.path / "config.json"
 
     @property
+    def preset(self) -> Path:
+        """Copy of the preset's file, where one was given."""
+        return self.path / "preset.json"
+
+    @property
     def model(self) -> Path:
         """The model at the end, as Stable-Baselines3 saves it."""
         return self.path / "model.zip"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 import sys
 from dataclasses import dataclass, replace
 from functools import cache
@@ -10,7 +11,8 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeVar
 
 import tyro
 
-from hexwar_sb3.algorithms.presets import PRESETS
+from hexwar_sb3.algorithms.preset_file import load_preset
+from hexwar_sb3.algorithms.presets import PARTS, PRESETS, Preset
 from hexwar_sb3.commands.output import compile_first
 from hexwar_sb3.commands.run_folder import RunFolder
 from hexwar_sb3.commands.settings import ConstantPlans, Json, ScenarioName, Seed, check_name
@@ -25,27 +27,6 @@ LOWER_SCENARIOS = (*builtin_names(), "hills@1", "hills@2", "hills@3", "hills@4",
 """Maps that the lower level learns on, so that it finds its way on those that it never saw."""
 LEARNED = "learned"  # `lower`: the model's own
 LOWERS = (LEARNED, "heuristic")
-LEARNER = (
-    *(
-        "mixer",
-        "learning_rate",
-        "final_learning_rate",
-        "batch_size",
-        "gamma",
-        "n_steps",
-        "td_lambda",
-        "double_q",
-    ),
-    *(
-        "gradient_steps",
-        "stickiness",
-        "exploration_initial_eps",
-        "exploration_final_eps",
-        "exploration_episodes",
-    ),
-)
-"""Settings that are arguments of QMIX."""
-
 if TYPE_CHECKING:
     from hexwar_sb3.evaluation.panel import Terms
 
@@ -72,9 +53,10 @@ class Train:
     scenario: ScenarioName = "plain"
     side: Literal["red", "blue", "both"] = "both"  # camp of the commander; both: in turn
     opponents: tuple[str, ...] = ("MA1", "MA2")  # bots' names or policy folders; each game draws one
-    decision_ticks: int = 75  # Delta-t, ticks between two decisions
-    # paper: the numbers of section IV to the letter; its learning rate of 0.1 learns nothing with Adam
-    preset: Literal["default", "paper"] = "default"
+    # "default", a file of `hexwar tune export`, or "paper": the numbers of section IV to the letter; its learning rate
+    # of 0.1 learns nothing with Adam
+    preset: str = "default"
+    decision_ticks: OfPreset[int] = None  # Delta-t, ticks between two decisions
     n_envs: OfPreset[int] = None  # games side by side
     reward: OfPreset[Literal["paper", "net"]] = None  # margin by eq. (1), or own minus enemy
     decisions: OfPreset[Literal["fixed", "event"]] = None  # event: also after an own loss or an ended task
@@ -143,6 +125,8 @@ class Train:
         compile_first()
         folder = RunFolder.new(self.runs, self.name)
         folder.write_config(self, " ".join(["hexwar", *sys.argv[1:]]))
+        if self.preset not in PRESETS:
+            shutil.copyfile(self.preset, folder.preset)
         return train(self, model, folder)
 
     def terms(self, games: int | None = None, purpose: Purpose = Purpose.REPORT) -> Terms:
@@ -155,7 +139,7 @@ class Train:
             games=games or self.final_games,
             seed=self.seed,
             purpose=purpose,
-            decision_ticks=self.decision_ticks,
+            decision_ticks=self.chosen.decision_ticks,
             camps=CAMPS if self.side == "both" else (self.side,),
             spots=env.get("spots", Terms.spots),
             early=env.get("decisions") == "event",
@@ -189,40 +173,51 @@ class Train:
         """Games that the env steps make."""
         from hexwar_sb3.engine.world import load_world
 
-        return self.n_timesteps * self.decision_ticks // load_world(self.scenario).scenario.game_ticks
+        return self.n_timesteps * self.chosen.decision_ticks // load_world(self.scenario).scenario.game_ticks
 
     def value(self, name: str) -> Any:
         """A setting of the preset itself, unless it was given."""
-        given = getattr(self, name)
-        return getattr(PRESETS[self.preset], name) if given is None else given
+        return getattr(self.chosen, name)
+
+    @property
+    def chosen(self) -> Preset:
+        """The preset, and what was given instead.
+
+        Raises:
+            UnknownNameError: there is no such preset, nor such a file.
+            FileFormatError: its file is broken.
+        """
+        return load_preset(self.preset).changed({name: getattr(self, name) for name in OF_PRESET})
 
     @property
     def env(self) -> dict[str, Any]:
-        """Settings of the task env: the preset's, and those that were given."""
-        return {**PRESETS[self.preset].env, **self._given("reward", "decisions", "spots")}
+        """Settings of the task env."""
+        return self.chosen.env
 
     @property
     def route(self) -> dict[str, Any]:
-        """Settings of the route env: the preset's, and those that were given."""
+        """Settings of the route env."""
         others = (name for name in LOWER_SCENARIOS if sizes(name) == sizes(self.scenario))
         scenarios = self.lower_scenarios or dict.fromkeys((self.scenario, *others))
-        given = self._given("alpha", "beta", "beta_per", "ways")
-        return {"scenario": list(scenarios), **PRESETS[self.preset].route, **given}
+        return {"scenario": list(scenarios), **self.chosen.route}
 
     @property
     def learner(self) -> dict[str, Any]:
-        """Arguments of QMIX: the preset's, and those that were given."""
-        exploring = {"exploration_episodes": max(1, int(EXPLORING_SHARE * self.games))}
-        return {**exploring, **PRESETS[self.preset].learner, **self._given(*LEARNER)}
+        """Arguments of QMIX."""
+        return {"exploration_episodes": max(1, int(EXPLORING_SHARE * self.games)), **self.chosen.learner}
 
     @property
     def lower_learner(self) -> dict[str, Any]:
-        """Arguments of `MaskedDQN`: the preset's, and the discount if it was given."""
-        gamma = {} if self.lower_gamma is None else {"gamma": self.lower_gamma}
-        return {**PRESETS[self.preset].lower_learner, **gamma}
+        """Arguments of `MaskedDQN`."""
+        return self.chosen.lower_learner
 
-    def _given(self, *names: str) -> dict[str, Any]:
-        return {name: getattr(self, name) for name in names if getattr(self, name) is not None}
+
+OF_PRESET = tuple(
+    name
+    for name, field in Train.__dataclass_fields__.items()
+    if field.default is None and (name in PARTS or hasattr(Preset, name))
+)
+"""Settings whose values are the preset's where none is given."""
 
 
 @cache
@@ -252,4 +247,6 @@ def settings_from(folder: RunFolder) -> Train:
     for key in ("opponents", "lower_scenarios", "phase_ticks"):
         if values.get(key) is not None:
             values[key] = tuple(values[key])
+    if folder.preset.exists():  # its file may lie elsewhere by now
+        values["preset"] = str(folder.preset)
     return Train(**values)

@@ -70,8 +70,11 @@ class Terms:
         )
 
     def play_as(self, camp: str, player: object, opponent: object) -> CampResult:
-        """Play one cell, and return what the player of this camp reached."""
-        return self.play(player, opponent).red if camp == "red" else self.play(opponent, player).blue
+        """Play one cell, and return what the player of this camp reached; the opponent decides as it was trained."""
+        its = trained_terms(opponent).get("decision_ticks", self.decision_ticks)
+        if camp == "red":
+            return self.play(player, opponent, (self.decision_ticks, its)).red
+        return self.play(opponent, player, (its, self.decision_ticks)).blue
 
     def record(self, red: object, blue: object) -> Replay:
         """Play the first game of a cell and write it down."""

@@ -22,6 +22,8 @@ Observation: TypeAlias = Mapping[str, NDArray[Any]]
 Actions: TypeAlias = NDArray[np.int64]
 
 POLICY_FILE = "config.json"  # marks a policy folder
+POLICIES = {path.name: path for path in sorted(Path(__file__).with_name("builtin").iterdir())}
+"""Trained policies that are part of the program, by name: HRL0 is the best warm-up of table 1, for both camps."""
 _OPPONENT_STREAM = 1  # keeps the draw of opponents apart from every other draw of an episode
 
 
@@ -94,12 +96,12 @@ Seat: TypeAlias = BotPlayer | Player
 
 
 def make_player(player: object) -> Seat:
-    """Turn a bot's name, a policy or run folder, or an object with `act` or `predict` into a player.
+    """Turn a bot's or a built-in policy's name, a policy or run folder, or an object with `act` or `predict` into a player.
 
     A model that observes one vector is one of the flat env.
 
     Raises:
-        UnknownNameError: neither a bot nor a folder has this name.
+        UnknownNameError: neither a bot nor a policy nor a folder has this name.
         PolicyFileError: the folder is broken, or was trained under other rules.
         ConfigError: the object cannot play.
 
@@ -125,14 +127,14 @@ def make_player(player: object) -> Seat:
 def _named_player(name: str | Path) -> Seat:
     if name in BOTS:
         return BotPlayer(str(name), BOTS[str(name)].id)
-    folder = Path(name)
+    folder = POLICIES.get(str(name), Path(name))
     for place in (folder / "policy", folder):
         if (place / POLICY_FILE).is_file():
             return FrozenPolicy.load(place, rules=default_rules().hash)
     if folder.exists():
         expected = "a policy folder, or a run folder with policy/ in it"
         raise PolicyFileError(folder, POLICY_FILE, found="nothing", expected=expected)
-    raise UnknownNameError("player", str(name), BOTS)
+    raise UnknownNameError("player", str(name), (*BOTS, *POLICIES))
 
 
 @dataclass(frozen=True)
