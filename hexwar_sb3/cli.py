@@ -19,6 +19,7 @@ from hexwar_sb3.commands.maps import Maps
 from hexwar_sb3.commands.selfplay import SelfPlay
 from hexwar_sb3.commands.tournament import Tournament
 from hexwar_sb3.commands.train import Train
+from hexwar_sb3.commands.tune import Tune
 from hexwar_sb3.commands.watch import Watch
 from hexwar_sb3.errors import HexWarError
 
@@ -29,6 +30,7 @@ COMMANDS: dict[str, Callable[..., Any]] = {
     "tournament": Tournament,
     "selfplay": SelfPlay,
     "distill": Distill,
+    "tune": Tune,
     "watch": Watch,
     "maps": Maps,
     "hotspots": Hotspots,

@@ -1,0 +1,149 @@
+"""`hexwar tune`: an Optuna study over alpha, beta and Delta-t (learning.md, section 6)."""
+
+from __future__ import annotations
+
+import json
+import sys
+from dataclasses import dataclass
+from importlib.util import find_spec
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Literal
+
+import tyro
+
+from hexwar_sb3.commands.output import compile_first, panel_table, print_json, table
+from hexwar_sb3.commands.settings import Json, ScenarioName, Seed
+from hexwar_sb3.errors import ConfigError
+from hexwar_sb3.files import write_json
+
+if TYPE_CHECKING:
+    from hexwar_sb3.tuning.study import StudySpec
+
+INTERRUPTED = 130  # exit code after Ctrl-C
+ACTIONS = "run: go on with the trials; show: table and pictures; compare: the best point and the paper's; export: a preset"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Tune:
+    """Search alpha, beta and Delta-t, and what else is asked for: trials of both levels on an Optuna study.
+
+    The same command goes on with a study. `hexwar tune export STUDY -o my.json` writes its best point as a preset for
+    `hexwar train --preset my.json`.
+    """
+
+    action: Annotated[
+        Literal["run", "show", "compare", "export"], tyro.conf.Positional, tyro.conf.arg(help=ACTIONS)
+    ] = "run"
+    study: Annotated[
+        tyro.conf.Positional[Path], tyro.conf.arg(help="its folder; in a database its name is the study's")
+    ] = Path("runs/study")
+    n_trials: int = 30  # of the whole study: completed, pruned or failed by themselves
+    workers: int = 1  # trials, or trainings of "compare", side by side, each in a process
+    storage: str | None = None  # URL of a database, "sqlite:///study.db"; else a journal in the folder
+    # settings to search beside alpha, beta and decision_ticks: learning_rate, batch_size, tau, spots, td_lambda,
+    # mixer, hidden
+    also: tuple[str, ...] = ()
+    # points to try next, as JSON: '{"alpha": 1.0, "beta": 0.5}'; what is not said is sampled
+    enqueue: tuple[str, ...] = ()
+    preset: str = "default"  # whose other settings all trials have
+    sampler: Literal["tpe", "random", "qmc"] = "tpe"  # draws the points
+    pruner: Literal["median", "halving", "none"] = "median"  # breaks trials off
+    scenario: ScenarioName = "plain"
+    opponents: tuple[str, ...] = ("MA1", "MA2")  # of the trainings
+    panel: tuple[str, ...] = ("MA1", "MA2", "HRL0")  # players or folders that judge
+    lower_ticks: int = 2_500_000  # game ticks that the lower level learns, of all games together
+    upper_ticks: int = 9_000_000  # and then the upper level; a game has 1,800
+    reports: int = 5  # evaluations on the way; after half of them a trial may be pruned
+    report_games: int = 40  # of each of them against each of the panel and in each colour
+    final_games: int = 200  # and of the objective
+    seed: Seed = 0
+    games: int = 2_000  # of "compare", a policy, opponent and colour
+    seeds: tuple[int, ...] = ()  # of the trainings of "compare"; else the study's own
+    output: Annotated[Path, tyro.conf.arg(aliases=("-o",))] = Path("tuned.json")  # file of "export"
+    json: Json = False
+
+    def run(self) -> int:
+        """Do it."""
+        if find_spec("optuna") is None:
+            raise ConfigError('tuning needs Optuna: pip install "hexwar-sb3[tune]"')
+        from hexwar_sb3.tuning.store import database_errors
+        from hexwar_sb3.tuning.study import known_spec
+
+        with database_errors():
+            if self.action == "run":
+                return self._run()
+            spec = known_spec(self.study, self.storage)
+            return {"show": self._show, "compare": self._compare, "export": self._export}[self.action](spec)
+
+    def _run(self) -> int:
+        """Go on with the trials."""
+        from hexwar_sb3.tuning.objective import Common
+        from hexwar_sb3.tuning.study import StudySpec, begin, run_study
+
+        names = Common.__dataclass_fields__
+        common = Common(**{name: value for name, value in vars(self).items() if name in names})
+        spec = StudySpec(
+            folder=self.study,
+            storage=self.storage,
+            also=self.also,
+            preset=self.preset,
+            sampler=self.sampler,
+            pruner=self.pruner,
+            common=common,
+        )
+        begin(spec, map(_point, self.enqueue))
+        compile_first(scenario=self.scenario)
+        try:
+            run_study(spec, self.n_trials, self.workers, say=lambda line: print(line, file=sys.stderr))
+        except KeyboardInterrupt:
+            print("\nstopped; the same command goes on", file=sys.stderr)
+            return INTERRUPTED
+        return self._show(spec)
+
+    def _show(self, spec: StudySpec) -> int:
+        """Print the trials, and write the pictures."""
+        from hexwar_sb3.tuning.pictures import draw_study
+        from hexwar_sb3.tuning.study import begin
+        from hexwar_sb3.tuning.summary import in_words, summary
+
+        study = begin(spec)
+        figures = {**summary(study, spec), "pictures": [str(path) for path in draw_study(study, spec.folder)]}
+        print_json(figures) if self.json else print(in_words(figures, table))
+        return 0
+
+    def _compare(self, spec: StudySpec) -> int:
+        """Let the best point and the paper's play fresh games."""
+        from hexwar_sb3.tuning.final import compare
+
+        compile_first(scenario=spec.common.scenario)
+        found = compare(spec, self.games, self.seeds or (spec.common.seed,), self.workers)
+        write_json(spec.folder / "compare.json", found)
+        if self.json:
+            print_json(found)
+            return 0
+        print(panel_table(found["rows"]))
+        for games, differences in found["best_minus_paper"].items():
+            for what, one in differences.items():
+                low, high = one["interval"]
+                print(f"best minus paper, {what}, {games}: {one['value']:+.2f} [{low:+.2f}, {high:+.2f}]")
+        return 0
+
+    def _export(self, spec: StudySpec) -> int:
+        """Write the best point as a preset."""
+        from hexwar_sb3.algorithms.preset_file import load_preset, save_preset
+        from hexwar_sb3.tuning.study import begin, best_trial
+
+        best = best_trial(begin(spec))
+        about = {"study": spec.folder.name, "trial": best.number, "value": best.value, "point": best.params}
+        save_preset(self.output, load_preset(spec.preset).changed(best.params), about)
+        print_json({"preset": str(self.output), **about}) if self.json else print(
+            f"trial {best.number} ({best.value:+.3f}): hexwar train --preset {self.output}"
+        )
+        return 0
+
+
+def _point(text: str) -> object:
+    try:
+        return json.loads(text)
+    except (ValueError, RecursionError) as error:
+        raise ConfigError(f"a point is a JSON object, got {text[:80]!r}: {error}") from error

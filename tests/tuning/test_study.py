@@ -1,0 +1,204 @@
+"""Studies: trials in processes, the same again from the same seed; who is killed comes again."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Callable
+from dataclasses import asdict, replace
+from pathlib import Path
+from typing import Any
+
+import optuna
+import pytest
+from optuna.trial import TrialState
+
+from hexwar_sb3.errors import ConfigError, UnknownNameError
+from hexwar_sb3.play.frozen import FrozenPolicy
+from hexwar_sb3.tuning.objective import Common
+from hexwar_sb3.tuning.study import StudySpec, begin, known_spec, run_study
+from hexwar_sb3.tuning.workers import AGAIN, WORKER, bury, ended
+
+
+def shape(study: optuna.Study) -> list[tuple[dict[str, Any], float | None]]:
+    return [(one.params, one.value) for one in study.trials]
+
+
+def test_the_papers_point_comes_first(finished: StudySpec) -> None:
+    trials = begin(finished).trials
+
+    assert trials[0].params == {"alpha": 0.01, "beta": 0.05, "decision_ticks": 75}
+    assert [one.state for one in trials] == [TrialState.COMPLETE] * 3
+    assert len({one.params["alpha"] for one in trials}) == 3
+
+
+def test_a_trial_leaves_its_preset_and_policy_as_artifacts(finished: StudySpec) -> None:
+    study = begin(finished)
+    for trial in study.trials:
+        policy = FrozenPolicy.load(finished.trial(trial.number) / "policy")
+        assert policy.about["decision_ticks"] == str(trial.params["decision_ticks"])
+        artifacts = optuna.artifacts.get_all_artifact_meta(trial, storage=study._storage)
+        assert sorted(one.filename for one in artifacts) == ["policy.zip", "preset.json"]
+
+
+def test_a_study_that_goes_on_is_the_unbroken_one(finished: StudySpec, spec: StudySpec) -> None:
+    """The same seed and one worker: the same trials."""
+    run_study(spec, 1, say=lambda _: None)
+    run_study(spec, 3, say=lambda _: None)
+
+    assert shape(begin(spec)) == shape(begin(finished))
+
+
+def test_a_finished_study_is_left_alone(finished: StudySpec) -> None:
+    before = shape(begin(finished))
+    run_study(finished, 3, say=lambda _: None)
+
+    assert shape(begin(finished)) == before
+
+
+def test_a_study_says_what_it_was_begun_with(finished: StudySpec) -> None:
+    assert known_spec(finished.folder) == finished
+
+
+def test_points_of_ones_own_come_after_the_papers(spec: StudySpec) -> None:
+    points = [{"alpha": 1.0, "beta": 0.5}, {"decision_ticks": 300}]
+    begin(spec, points)
+    study = begin(spec, points)  # once each
+
+    waiting = [one.system_attrs["fixed_params"] for one in study.trials]
+    assert waiting == [{"alpha": 0.01, "beta": 0.05, "decision_ticks": 75}, *points]
+
+
+def test_a_study_goes_on_with_another_sampler_and_pruner(spec: StudySpec) -> None:
+    begin(spec)
+    begin(replace(spec, sampler="qmc", pruner="halving"))
+
+    assert known_spec(spec.folder) == replace(spec, sampler="qmc", pruner="halving")
+
+
+OTHERS: dict[str, tuple[Callable[[StudySpec], StudySpec], str]] = {
+    "space": (lambda spec: replace(spec, also=("mixer",)), "holds another study: space"),
+    "preset": (lambda spec: replace(spec, preset="paper"), "holds another study: preset"),
+    "budget": (
+        lambda spec: replace(spec, common=replace(spec.common, upper_ticks=72_000)),
+        "holds another study: upper_ticks 108000, not 72000",
+    ),
+}
+
+
+@pytest.mark.parametrize("what", OTHERS)
+def test_a_study_of_another_kind_is_not_gone_on_with(what: str, finished: StudySpec) -> None:
+    change, message = OTHERS[what]
+    with pytest.raises(ConfigError, match=message):
+        begin(change(finished))
+
+
+def wait_until(condition: Callable[[], bool], seconds: float = 60.0) -> None:
+    end = time.monotonic() + seconds
+    while not condition():
+        assert time.monotonic() < end
+        time.sleep(0.05)
+
+
+def test_a_killed_trial_comes_again_and_none_is_stuck(spec: StudySpec) -> None:
+    """One of two workers dies in mid-trial."""
+    study, killed = begin(spec), list[int]()
+
+    def kill_one() -> None:
+        def claimed() -> list[optuna.trial.FrozenTrial]:
+            running = study.get_trials(states=(TrialState.RUNNING,))
+            return [one for one in running if WORKER in one.user_attrs and len(one.params) == 3]
+
+        wait_until(lambda: bool(claimed()))
+        victim = claimed()[0]
+        killed.append(victim.number)
+        os.kill(victim.user_attrs[WORKER]["pid"], signal.SIGKILL)
+
+    thread = threading.Thread(target=kill_one)
+    thread.start()
+    run_study(spec, 3, workers=2, say=lambda _: None)
+    thread.join()
+
+    trials = begin(spec).trials
+    states = [one.state for one in trials]
+    assert states.count(TrialState.COMPLETE) == ended(trials) == 3
+    assert states.count(TrialState.FAIL) == 1
+    assert len(trials) == 4
+    again = [one for one in trials if AGAIN in one.user_attrs]
+    assert [one.user_attrs[AGAIN] for one in again] == killed
+    assert again[0].params == trials[killed[0]].params
+
+
+def test_who_stops_a_study_leaves_no_process_and_goes_on_later(spec: StudySpec) -> None:
+    """SIGTERM is what Ctrl-C is."""
+    study = begin(spec)
+    command = [sys.executable, "-m", "hexwar_sb3.cli", "tune", "run", str(spec.folder), *flags(spec)]
+
+    def worked_on() -> list[optuna.trial.FrozenTrial]:
+        running = study.get_trials(states=(TrialState.RUNNING,))
+        return [one for one in running if WORKER in one.user_attrs]
+
+    with subprocess.Popen(command, stderr=subprocess.PIPE, text=True) as process:
+        wait_until(lambda: bool(worked_on()))
+        worker = worked_on()[0].user_attrs[WORKER]["pid"]
+        process.send_signal(signal.SIGTERM)
+        _, said = process.communicate(timeout=30)
+
+    assert process.returncode == 130
+    assert "the same command goes on" in said
+    assert "Traceback" not in said
+    with pytest.raises(ProcessLookupError):
+        os.kill(worker, 0)
+    assert [one.state for one in begin(spec).trials] == [TrialState.FAIL, TrialState.WAITING]
+
+
+def flags(spec: StudySpec) -> list[str]:
+    """Flags of `hexwar tune run` for a study."""
+    settings = {**asdict(spec.common), "sampler": spec.sampler, "pruner": spec.pruner, "n_trials": 1}
+    found: list[str] = []
+    for name, value in settings.items():
+        values = value if isinstance(value, tuple) else (value,)
+        found += [f"--{name.replace('_', '-')}", *map(str, values)]
+    return found
+
+
+def test_a_trial_of_a_process_that_is_gone_comes_again(spec: StudySpec) -> None:
+    """As a machine leaves it that went down: parent and worker are gone."""
+    study = begin(spec)
+    trial = study.ask()
+    trial.set_user_attr(WORKER, {"host": os.uname().nodename, "pid": 2**22 - 1, "born": "0"})
+    run_study(spec, 1, say=lambda _: None)
+
+    assert [one.state for one in begin(spec).trials] == [TrialState.FAIL, TrialState.COMPLETE]
+
+
+def test_a_point_that_dies_twice_counts_as_failed(spec: StudySpec) -> None:
+    study = begin(spec)
+    for _ in range(2):
+        trial = study.ask()
+        trial.suggest_float("alpha", 1e-3, 1.0, log=True)
+        trial.set_user_attr(WORKER, {"host": os.uname().nodename, "pid": 2**22 - 1, "born": "0"})
+        run_study(spec, 1, say=lambda _: None) if trial.number else None
+        bury(study, spec.lock)
+    assert ended(study.get_trials()) == 1
+
+
+WRONG: dict[str, tuple[dict[str, Any], str]] = {
+    "sampler": ({"sampler": "tpr"}, "unknown sampler 'tpr'; did you mean 'tpe'"),
+    "pruner": ({"pruner": "mean"}, "unknown pruner 'mean'"),
+    "setting": ({"also": ("widths",)}, "unknown setting 'widths'"),
+    "preset": ({"preset": "fast"}, "unknown preset 'fast'"),
+    "panel": ({"common": Common(panel=("MA9",))}, "unknown player 'MA9'"),
+}
+
+
+@pytest.mark.parametrize("what", WRONG)
+def test_a_wrong_name_is_met_before_anything_begins(what: str, tmp_path: Path) -> None:
+    settings, message = WRONG[what]
+    with pytest.raises((UnknownNameError, ConfigError), match=message):
+        StudySpec(folder=tmp_path / "none", **settings)
+    assert not (tmp_path / "none").exists()

@@ -1,0 +1,379 @@
+"""A study: trials one after the other in each of some processes, on one storage; trials whose process died come again."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import threading
+import traceback
+import warnings
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import ExitStack, contextmanager
+from dataclasses import asdict, dataclass, field
+from functools import partial
+from pathlib import Path
+from shutil import make_archive
+from socket import gethostname
+from tempfile import TemporaryDirectory
+from time import sleep
+from typing import Any, TypeAlias
+
+import optuna
+from filelock import FileLock
+from optuna.artifacts import FileSystemArtifactStore, upload_artifact
+from optuna.distributions import (
+    BaseDistribution,
+    CategoricalDistribution,
+    IntDistribution,
+    distribution_to_json,
+)
+from optuna.exceptions import ExperimentalWarning
+from optuna.trial import BaseTrial, FrozenTrial, TrialState
+
+from hexwar_sb3.algorithms.preset_file import load_preset, save_preset
+from hexwar_sb3.checks import check_whole
+from hexwar_sb3.errors import ConfigError, HexWarError, UnknownNameError
+from hexwar_sb3.evaluation.provenance import provenance
+from hexwar_sb3.play.player import BotPlayer, make_player
+from hexwar_sb3.tuning.objective import Common, objective
+from hexwar_sb3.tuning.samplers import SAMPLERS, make_sampler
+from hexwar_sb3.tuning.space import Space, checked_point, first_point, space_of
+from hexwar_sb3.tuning.store import JOURNAL, database_errors, open_storage
+from hexwar_sb3.tuning.workers import WORKER, bury, ended, this_process
+
+STORAGE = "HEXWAR_STUDY_STORAGE"  # environment of a study's processes: URL of its database
+POLL_S = 0.2
+REASON, REASON_LENGTH = "reason", 200  # attribute of a trial that failed by itself; characters
+PRUNERS: dict[str, Callable[[int], optuna.pruners.BasePruner]] = {
+    "median": lambda ticks: optuna.pruners.MedianPruner(n_startup_trials=5, n_warmup_steps=ticks),
+    "halving": lambda ticks: optuna.pruners.SuccessiveHalvingPruner(min_resource=ticks, reduction_factor=2),
+    "none": lambda _: optuna.pruners.NopPruner(),
+}
+"""By the game ticks before which none is pruned."""
+Say = Callable[[str], object]
+Worker: TypeAlias = "subprocess.Popen[bytes]"
+
+
+@dataclass(frozen=True, kw_only=True)
+class StudySpec:
+    """All that a process needs to work on a study."""
+
+    folder: Path  # gets journal, policies, artifacts
+    storage: str | None = None  # URL of a database instead of the journal
+    also: tuple[str, ...] = ()  # settings to search beside alpha, beta and Delta-t
+    preset: str = "default"  # whose other settings all trials have
+    sampler: str = "tpe"
+    pruner: str = "median"
+    common: Common = field(default_factory=Common)
+
+    def __post_init__(self) -> None:
+        """Check the names.
+
+        Raises:
+            UnknownNameError: there is no such sampler, pruner, preset, setting or player.
+            ConfigError: hot spots are searched, and a policy plays.
+        """
+        for what, name, known in (("sampler", self.sampler, SAMPLERS), ("pruner", self.pruner, PRUNERS)):
+            if name not in known:
+                raise UnknownNameError(what, name, known)
+        space_of(self.also)
+        load_preset(self.preset)
+        for player in (*self.common.opponents, *self.common.panel):
+            if not isinstance(make_player(player), BotPlayer) and "spots" in self.also:
+                raise ConfigError(
+                    f"{player} knows the hot spots of its training alone: leave it or spots out"
+                )
+
+    @property
+    def space(self) -> Space:
+        """What is searched."""
+        return space_of(self.also)
+
+    def meaning(self) -> dict[str, Any]:
+        """What must be equal for trials to be of one study, as JSON values."""
+        hashes = provenance(self.common.scenario)
+        del hashes["software"]
+        space = {name: json.loads(distribution_to_json(one)) for name, one in self.space.items()}
+        found = {"space": space, **asdict(self.common), "preset": asdict(load_preset(self.preset)), **hashes}
+        return dict(json.loads(json.dumps(found)))
+
+    def values(self) -> dict[str, Any]:
+        """What `known_spec` reads, as JSON values."""
+        found = {name: value for name, value in asdict(self).items() if name not in ("folder", "storage")}
+        return dict(json.loads(json.dumps(found)))
+
+    def trial(self, number: int) -> Path:
+        """Folder of a trial's preset and policy."""
+        return self.folder / "trials" / str(number)
+
+    def lock(self, number: int) -> Path:
+        """File that the process of a trial holds."""
+        return self.trial(number) / "lock"
+
+    def load(self) -> optuna.Study:
+        """Open the study."""
+        return optuna.load_study(
+            study_name=study_name(self.folder, self.storage),
+            storage=open_storage(self.folder, self.storage),
+            sampler=make_sampler(self.sampler, self.common.seed),
+            pruner=PRUNERS[self.pruner](self.common.warm_up),
+        )
+
+
+def study_name(folder: Path, storage: str | None) -> str:
+    """Name of a study in its storage: a journal has one study and may be moved, a database many."""
+    return "study" if storage is None else folder.name
+
+
+def known_spec(folder: Path, storage: str | None = None) -> StudySpec:
+    """Read what a study was begun with.
+
+    Raises:
+        ConfigError: there is no such study, or it is not one of ours.
+        FileFormatError: the journal is broken.
+    """
+    if storage is None and not (folder / JOURNAL).is_file():
+        raise ConfigError(f"there is no study in {folder}")
+    known = optuna.get_all_study_summaries(open_storage(folder, storage))
+    name = study_name(folder, storage)
+    attributes = next((one.user_attrs for one in known if one.study_name == name), {})
+    try:
+        values = dict(attributes["spec"])
+        common = values.pop("common")
+        tuples = {name: tuple(common[name]) for name in ("opponents", "panel")}
+        also = tuple(values.pop("also"))
+        return StudySpec(
+            folder=folder, storage=storage, also=also, common=Common(**{**common, **tuples}), **values
+        )
+    except (KeyError, TypeError, ValueError) as error:
+        if isinstance(error, HexWarError):
+            raise
+        raise ConfigError(
+            f"there is no study {name!r} of `hexwar tune` in {'its database' if storage else folder}"
+        ) from error
+
+
+def begin(spec: StudySpec, points: Iterable[object] = ()) -> optuna.Study:
+    """Make the study with the paper's point first in line, or open it.
+
+    Args:
+        spec: the study; sampler and pruner may differ from those that it was begun with.
+        points: further ones that come next, unless they were there; a setting that is not said is sampled.
+
+    Raises:
+        ConfigError: a study of that name searches another space, its trials are of another kind, or a point lies
+            outside.
+    """
+    optuna.logging.set_verbosity(optuna.logging.WARNING)
+    coming = [checked_point(point, spec.space) for point in points]
+    storage = open_storage(spec.folder, spec.storage)
+    study = optuna.create_study(
+        study_name=study_name(spec.folder, spec.storage),
+        storage=storage,
+        direction="maximize",
+        load_if_exists=True,
+    )
+    meaning, known = spec.meaning(), study.user_attrs.get("meaning")
+    if known is None:
+        study.set_user_attr("meaning", meaning)
+        coming = [first_point(load_preset(spec.preset), spec.space), *coming]
+    elif known != meaning:
+        raise ConfigError(f"{spec.folder} holds another study: {_difference(known, meaning)}")
+    if study.user_attrs.get("spec") != spec.values():
+        study.set_user_attr("spec", spec.values())
+    for point in coming:
+        study.enqueue_trial(point, skip_if_exists=True)
+    return study
+
+
+def run_study(spec: StudySpec, n_trials: int, workers: int = 1, say: Say = print) -> optuna.Study:
+    """Go on until a study has so many trials that ended, each in a process of its own.
+
+    A trial whose process died fails, and its point comes again, once.
+
+    Args:
+        spec: the study.
+        n_trials: of the whole study: completed, pruned, or failed by themselves.
+        workers: trials side by side.
+        say: told of every trial that ends.
+
+    Raises:
+        ConfigError: a process cannot even begin a trial.
+        KeyboardInterrupt: it was stopped; what was running comes again.
+    """
+    check_whole("n_trials", n_trials, least=1)
+    check_whole("workers", workers, least=1)
+    study, running = begin(spec), list[Worker]()
+    told = {one.number for one in study.get_trials(deepcopy=False) if one.state.is_finished()}
+    with _stopping(running, study, spec):
+        while True:
+            bury(study, spec.lock)
+            trials = study.get_trials(deepcopy=False)
+            _tell_new(trials, told, say)
+            under_way = [one for one in trials if one.state == TrialState.RUNNING]
+            mine = {_process(one): one for one in under_way}
+            beginning = [one for one in running if (gethostname(), one.pid) not in mine]
+            if len(running) < workers and ended(trials) + len(under_way) + len(beginning) < n_trials:
+                running.append(_start(spec))
+            elif running or under_way:  # others, too, may work on it
+                sleep(POLL_S)
+                _let_go(running, study)
+            else:
+                return study
+
+
+def best_trial(study: optuna.Study) -> FrozenTrial:
+    """The completed trial that reached most.
+
+    Raises:
+        ConfigError: there is none.
+    """
+    done = study.get_trials(deepcopy=False, states=(TrialState.COMPLETE,))
+    if not done:
+        raise ConfigError(f"{study.study_name}: no trial was completed")
+    return max(done, key=lambda one: (one.value, -one.number))
+
+
+def work(folder: Path) -> None:
+    """Make one trial: what a process of a study does. A trial that raises fails, with its reason; the study goes on."""
+    optuna.logging.set_verbosity(optuna.logging.CRITICAL)  # the study says what fails
+    warnings.simplefilter("ignore", ExperimentalWarning)
+    spec = known_spec(folder, os.environ.get(STORAGE))
+    with ExitStack() as held:
+        spec.load().optimize(partial(_trial, spec, held), n_trials=1, catch=(Exception,))
+
+
+def _start(spec: StudySpec) -> Worker:
+    """Start a process of its own group: the terminal's Ctrl-C is the parent's. The URL may hold a password."""
+    storage = {} if spec.storage is None else {STORAGE: spec.storage}
+    return subprocess.Popen(  # noqa: S603  # our own module
+        [sys.executable, "-m", "hexwar_sb3.tuning.study", str(spec.folder)],
+        stdin=subprocess.DEVNULL,
+        env={**os.environ, **storage},
+        process_group=0,
+    )
+
+
+def _trial(spec: StudySpec, held: ExitStack, trial: optuna.Trial) -> float:
+    folder = spec.trial(trial.number)
+    folder.mkdir(parents=True, exist_ok=True)
+    held.enter_context(FileLock(spec.lock(trial.number)))
+    trial.set_user_attr(WORKER, this_process())
+    try:
+        point = {name: suggest(trial, name, one) for name, one in spec.space.items()}
+        preset = load_preset(spec.preset).changed(point)
+        save_preset(folder / "preset.json", preset, {"study": spec.folder.name, "trial": trial.number})
+        try:
+            return objective(trial, preset, spec.common, folder / "policy")
+        finally:
+            _keep_artifacts(spec, trial)
+    except optuna.TrialPruned:
+        raise
+    except Exception as error:
+        trial.set_user_attr(REASON, f"{type(error).__name__}: {error}"[:REASON_LENGTH])
+        (folder / "error.txt").write_text(traceback.format_exc(), encoding="utf-8")
+        raise
+
+
+def _keep_artifacts(spec: StudySpec, trial: optuna.Trial) -> None:
+    """Make a trial's preset and policy its artifacts."""
+    base, folder = spec.folder / "artifacts", spec.trial(trial.number)
+    base.mkdir(exist_ok=True)
+    with TemporaryDirectory() as place:
+        files = [str(folder / "preset.json")]
+        if (folder / "policy").is_dir():
+            files.append(make_archive(f"{place}/policy", "zip", folder / "policy"))
+        for file in files:
+            upload_artifact(
+                artifact_store=FileSystemArtifactStore(base_path=str(base)),
+                file_path=file,
+                study_or_trial=trial,
+            )
+
+
+def suggest(trial: BaseTrial, name: str, distribution: BaseDistribution) -> Any:
+    """Draw a setting's value."""
+    if isinstance(distribution, CategoricalDistribution):
+        return trial.suggest_categorical(name, distribution.choices)
+    ends = distribution.low, distribution.high  # type: ignore[attr-defined]
+    if isinstance(distribution, IntDistribution):
+        return trial.suggest_int(name, *ends, log=distribution.log)
+    return trial.suggest_float(name, *ends, log=distribution.log)  # type: ignore[attr-defined]
+
+
+def in_words(trial: FrozenTrial) -> str:
+    """One line on a trial."""
+    point = ", ".join(f"{name} {_short(value)}" for name, value in trial.params.items())
+    what = {
+        TrialState.COMPLETE: f"{trial.value:+.3f}" if trial.value is not None else "",
+        TrialState.PRUNED: f"pruned after {len(trial.intermediate_values)} reports",
+        TrialState.FAIL: trial.user_attrs.get(REASON, "failed"),
+        TrialState.RUNNING: "its process is gone",
+    }
+    return f"trial {trial.number}: {what.get(trial.state, '')} ({point})"
+
+
+def _short(value: object) -> str:
+    return f"{value:.3g}" if isinstance(value, float) else str(value)
+
+
+def _process(trial: FrozenTrial) -> tuple[str, int] | None:
+    """Host and number of the process that works on a trial."""
+    worker = trial.user_attrs.get(WORKER)
+    return None if worker is None else (worker["host"], worker["pid"])
+
+
+def _tell_new(trials: list[FrozenTrial], told: set[int], say: Say) -> None:
+    """Say what became of the trials that ended since the last time."""
+    for trial in trials:
+        if trial.state.is_finished() and trial.number not in told:
+            told.add(trial.number)
+            say(in_words(trial))
+
+
+def _let_go(running: list[Worker], study: optuna.Study) -> None:
+    """Forget the processes that ended.
+
+    Raises:
+        ConfigError: one failed before it had a trial.
+    """
+    for process in [one for one in running if one.poll() is not None]:
+        running.remove(process)
+        own = gethostname(), process.pid
+        if process.returncode > 0 and own not in map(_process, study.get_trials(deepcopy=False)):
+            raise ConfigError(f"a process ended with exit code {process.returncode} before it had a trial")
+
+
+@contextmanager
+def _stopping(running: list[Worker], study: optuna.Study, spec: StudySpec) -> Iterator[None]:
+    """End the processes where the block ends early; their points come again. SIGTERM counts as Ctrl-C."""
+    first = threading.current_thread() is threading.main_thread()  # signals are its own
+    before = signal.signal(signal.SIGTERM, signal.default_int_handler) if first else None
+    try:
+        yield
+    except BaseException:
+        for process in running:
+            process.kill()
+        for process in running:
+            process.wait()
+        bury(study, spec.lock)
+        raise
+    finally:
+        if first:
+            signal.signal(signal.SIGTERM, before)
+
+
+def _difference(known: dict[str, Any], own: dict[str, Any]) -> str:
+    names = [name for name in {**known, **own} if known.get(name) != own.get(name)]
+    return ", ".join(f"{name} {str(known.get(name))[:60]}, not {str(own.get(name))[:60]}" for name in names)
+
+
+if __name__ == "__main__":
+    try:
+        with database_errors():
+            work(Path(sys.argv[1]))
+    except HexWarError as stopped:
+        sys.exit(f"{stopped}")
