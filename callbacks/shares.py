@@ -7,6 +7,7 @@ from typing import cast
 
 from stable_baselines3.common.callbacks import BaseCallback
 
+from hexwar_sb3.algorithms.presets import Preset
 from hexwar_sb3.algorithms.qmix import QMIX
 
 
@@ -34,3 +35,19 @@ class ShareOfGames(BaseCallback):
 
     def _on_step(self) -> bool:
         return True
+
+
+def shares_of(preset: Preset, games: int) -> list[BaseCallback]:
+    """Build the callbacks of a preset: demonstrations first, warm starts while they help.
+
+    Args:
+        preset: shares and numbers of games.
+        games: of the whole training.
+    """
+    half = max(1, games // 2)
+    return [
+        ShareOfGames(
+            "set_demo_share", lambda played: preset.demo_share if played < preset.demo_games else 0.0
+        ),
+        ShareOfGames("set_warm_start", lambda played: preset.warm_start * max(0.0, 1.0 - played / half)),
+    ]

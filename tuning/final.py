@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from optuna.trial import FixedTrial, TrialState
 
 from hexwar_sb3.algorithms.preset_file import load_preset
+from hexwar_sb3.checks import check_whole
 from hexwar_sb3.evaluation.intervals import paired_interval
 from hexwar_sb3.evaluation.jobs import run_jobs
 from hexwar_sb3.evaluation.panel import Panel, play_panel
@@ -57,12 +58,16 @@ def compare(
         all games.
 
     Raises:
-        ConfigError: no trial was completed.
+        ConfigError: no trial was completed, or a number is out of its range.
     """
-    best = best_trial(begin(spec))
+    check_whole("games", games, least=1)
+    best, seeds = best_trial(begin(spec)), tuple(dict.fromkeys(seeds))
     points = {"best": dict(best.params), "paper": first_point(load_preset(spec.preset), spec.space)}
     finalists = [_finalist(spec, name, points[name], seed) for seed in seeds for name in points]
-    run_jobs(_train, [one for one in finalists if not one.policy.is_dir()], workers, "training")
+    missing = {
+        one.policy: one for one in finalists if not one.policy.is_dir()
+    }  # once, if best and paper are one
+    run_jobs(_train, list(missing.values()), workers, "training")
     panels = {one.number: _play(one, games) for one in finalists}
     pairs = {seed: (panels[f"best {seed}"].total, panels[f"paper {seed}"].total) for seed in seeds}
     return {
@@ -78,7 +83,7 @@ def compare(
 
 def _finalist(spec: StudySpec, name: str, point: Point, seed: int) -> Finalist:
     """The study's own policy of a point, where it made one with this seed."""
-    policy = spec.folder / "finalists" / f"{'-'.join(map(_short, point.values()))}-seed{seed}"
+    policy = spec.folder / "finalists" / f"{'-'.join(map(_text, point.values()))}-seed{seed}"
     for trial in begin(spec).get_trials(deepcopy=False, states=(TrialState.COMPLETE,)):
         own = spec.trial(trial.number) / "policy"
         if seed == spec.common.seed and trial.params == point and own.is_dir():
@@ -87,7 +92,7 @@ def _finalist(spec: StudySpec, name: str, point: Point, seed: int) -> Finalist:
     return Finalist(spec=spec, name=name, point=point, seed=seed, policy=policy)
 
 
-def _short(value: object) -> str:
+def _text(value: object) -> str:
     return f"{value:.4g}" if isinstance(value, float) else str(value)
 
 

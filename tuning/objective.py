@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import cast
@@ -14,7 +13,7 @@ from stable_baselines3.common.callbacks import CallbackList
 from hexwar_sb3.algorithms.hierarchical import LOWER_DEFAULTS, HierarchicalQMIX
 from hexwar_sb3.algorithms.presets import Preset
 from hexwar_sb3.callbacks.every import EverySteps
-from hexwar_sb3.callbacks.shares import ShareOfGames
+from hexwar_sb3.callbacks.shares import shares_of
 from hexwar_sb3.checks import check_whole
 from hexwar_sb3.engine.world import load_world
 from hexwar_sb3.envs.registration import TASK_ENV, make_vec_env
@@ -58,6 +57,11 @@ class Common:
         """Game ticks before any trial is pruned: the first reports say little (the best may begin as the worst)."""
         return self.lower_ticks + self.upper_ticks * 2 // 5
 
+    @property
+    def games(self) -> int:
+        """That the upper level's ticks make."""
+        return self.upper_ticks // load_world(self.scenario).scenario.game_ticks
+
     def terms(self, preset: Preset, games: int) -> Terms:
         """Of games that judge."""
         return Terms(
@@ -90,9 +94,9 @@ def objective(trial: BaseTrial, preset: Preset, common: Common, folder: Path) ->
     """
     with one_thread():
         model, report = new_model(preset, common), _Report(trial, preset, common)
-        steps = common.upper_ticks // preset.decision_ticks
+        shares = shares_of(preset, common.games)
         try:
-            model.learn(steps, callback=CallbackList([*_demonstrations(preset), report]))
+            model.learn(common.upper_ticks // preset.decision_ticks, callback=CallbackList([*shares, report]))
         except optuna.TrialPruned:
             report.policy().save(folder)
             raise
@@ -109,7 +113,6 @@ def objective(trial: BaseTrial, preset: Preset, common: Common, folder: Path) ->
 
 def new_model(preset: Preset, common: Common) -> HierarchicalQMIX:
     """A beginner whose lower level learns first, and leads whatever it has learned."""
-    game = load_world(common.scenario).scenario.game_ticks
     env = make_vec_env(
         TASK_ENV,
         n_envs=preset.n_envs,
@@ -127,7 +130,7 @@ def new_model(preset: Preset, common: Common) -> HierarchicalQMIX:
         name: max(1, int(LOWER_DEFAULTS[name] * shorter))
         for name in ("learning_rate_steps", "exploration_steps")
     }
-    exploring = {"exploration_episodes": max(1, int(EXPLORING_SHARE * common.upper_ticks / game))}
+    exploring = {"exploration_episodes": max(1, int(EXPLORING_SHARE * common.games))}
     return HierarchicalQMIX(
         "HierarchicalPolicy",
         env,
@@ -140,11 +143,6 @@ def new_model(preset: Preset, common: Common) -> HierarchicalQMIX:
         lower_kwargs={**schedules, **preset.lower_learner},
         **{**exploring, **preset.learner},
     )
-
-
-def _demonstrations(preset: Preset) -> Sequence[ShareOfGames]:
-    last = preset.demo_games
-    return [ShareOfGames("set_demo_share", lambda games: preset.demo_share if games < last else 0.0)]
 
 
 class _Report(EverySteps):

@@ -10,12 +10,12 @@ from typing import Any
 import matplotlib as mpl
 import numpy as np
 import optuna
-from optuna.exceptions import ExperimentalWarning
 from optuna.importance import PedAnovaImportanceEvaluator
 from optuna.trial import FrozenTrial, TrialState
 from optuna.visualization import matplotlib as plots
 
 from hexwar_sb3.files import replacing
+from hexwar_sb3.tuning.space import short
 
 LEAST_FOR_IMPORTANCES = 4  # completed trials
 REACHED = "mean margin / 134"
@@ -39,7 +39,9 @@ def draw_study(study: optuna.Study, folder: Path) -> list[Path]:
         drawn["importances"] = lambda: plots.plot_param_importances(
             study, evaluator=PedAnovaImportanceEvaluator(), target_name=REACHED
         )
-    quiet = warnings.catch_warnings(action="ignore", category=ExperimentalWarning)
+    quiet = warnings.catch_warnings(
+        action="ignore"
+    )  # that plots are experimental, that an axis has one value
     with quiet, mpl.rc_context({"backend": "agg"}):
         return [_write(draw(), folder / f"{name}.png") for name, draw in drawn.items()] if done else []
 
@@ -111,9 +113,7 @@ def _draw_curves(trials: list[FrozenTrial]) -> Any:
         if one.state == TrialState.COMPLETE:
             steps, values = [*steps, one.user_attrs["ticks"] / 1e6], [*values, _reached(one)]
         named = {best.number: "C1", 0: "C0"}.get(one.number)
-        point = ", ".join(
-            f"{name} {value:.3g}" for name, value in one.params.items() if not isinstance(value, str)
-        )
+        point = ", ".join(f"{name} {short(value)}" for name, value in one.params.items())
         axes.plot(
             steps,
             values,

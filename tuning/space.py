@@ -46,19 +46,24 @@ def space_of(also: Iterable[str] = ()) -> Space:
     Raises:
         UnknownNameError: there is no such setting.
     """
+    also = tuple(also)
     for name in also:
         if name not in SPACE:
             raise UnknownNameError("setting", name, SPACE)
     return {name: SPACE[name] for name in dict.fromkeys((*ALWAYS, *also))}
 
 
-def first_point(preset: Preset, space: Iterable[str]) -> Point:
-    """Where a study begins: the paper's point, and the preset's own value of every other setting."""
+def first_point(preset: Preset, space: Space) -> Point:
+    """Where a study begins: the paper's point, and the preset's own value of every other setting.
+
+    Raises:
+        ConfigError: the space does not hold a value of the preset.
+    """
     signature = inspect.signature(QMIX.__init__).parameters
     usual = {name: parameter.default for name, parameter in signature.items()}
     own = {**preset.env, **preset.learner, **preset.learner.get("policy_kwargs", {})}
     known = {**usual, "spots": SPOTS, "hidden": 64, **own, **PAPER}
-    return {name: known[name] for name in space}
+    return checked_point({name: known[name] for name in space}, space)
 
 
 def checked_point(point: object, space: Space) -> Point:
@@ -76,6 +81,11 @@ def checked_point(point: object, space: Space) -> Point:
         if not _holds(space[name], value):
             raise ConfigError(f"{name} must be of {space[name]}, got {value!r}")
     return point
+
+
+def short(value: object) -> str:
+    """A value in three digits."""
+    return f"{value:.3g}" if isinstance(value, float) else str(value)
 
 
 def _holds(distribution: BaseDistribution, value: object) -> bool:

@@ -34,18 +34,22 @@ from optuna.exceptions import ExperimentalWarning
 from optuna.trial import BaseTrial, FrozenTrial, TrialState
 
 from hexwar_sb3.algorithms.preset_file import load_preset, save_preset
+from hexwar_sb3.algorithms.presets import PRESETS
 from hexwar_sb3.checks import check_whole
 from hexwar_sb3.errors import ConfigError, HexWarError, UnknownNameError
 from hexwar_sb3.evaluation.provenance import provenance
 from hexwar_sb3.play.player import BotPlayer, make_player
 from hexwar_sb3.tuning.objective import Common, objective
 from hexwar_sb3.tuning.samplers import SAMPLERS, make_sampler
-from hexwar_sb3.tuning.space import Space, checked_point, first_point, space_of
+from hexwar_sb3.tuning.space import Space, checked_point, first_point, short, space_of
 from hexwar_sb3.tuning.store import JOURNAL, database_errors, open_storage
 from hexwar_sb3.tuning.workers import WORKER, bury, ended, this_process
 
 STORAGE = "HEXWAR_STUDY_STORAGE"  # environment of a study's processes: URL of its database
+PRESET_FILE = "preset.json"  # of a study that was begun with one
+MAXIMIZE = optuna.study.StudyDirection.MAXIMIZE
 POLL_S = 0.2
+MOST_LOST = 3  # processes one after the other that end before they have a trial
 REASON, REASON_LENGTH = "reason", 200  # attribute of a trial that failed by itself; characters
 PRUNERS: dict[str, Callable[[int], optuna.pruners.BasePruner]] = {
     "median": lambda ticks: optuna.pruners.MedianPruner(n_startup_trials=5, n_warmup_steps=ticks),
@@ -74,13 +78,18 @@ class StudySpec:
 
         Raises:
             UnknownNameError: there is no such sampler, pruner, preset, setting or player.
-            ConfigError: hot spots are searched, and a policy plays.
+            ConfigError: hot spots are searched, and a policy plays; the preset has another lower level, or a value
+                outside of the space.
         """
         for what, name, known in (("sampler", self.sampler, SAMPLERS), ("pruner", self.pruner, PRUNERS)):
             if name not in known:
                 raise UnknownNameError(what, name, known)
-        space_of(self.also)
-        load_preset(self.preset)
+        preset = load_preset(self.preset)
+        first_point(preset, self.space)
+        if preset.lower != "learned":
+            raise ConfigError(
+                f"alpha and beta act through a lower level that learns; the preset's is {preset.lower}"
+            )
         for player in (*self.common.opponents, *self.common.panel):
             if not isinstance(make_player(player), BotPlayer) and "spots" in self.also:
                 raise ConfigError(
@@ -103,7 +112,8 @@ class StudySpec:
     def values(self) -> dict[str, Any]:
         """What `known_spec` reads, as JSON values."""
         found = {name: value for name, value in asdict(self).items() if name not in ("folder", "storage")}
-        return dict(json.loads(json.dumps(found)))
+        own = self.preset if self.preset in PRESETS else PRESET_FILE
+        return dict(json.loads(json.dumps({**found, "preset": own})))
 
     def trial(self, number: int) -> Path:
         """Folder of a trial's preset and policy."""
@@ -144,10 +154,10 @@ def known_spec(folder: Path, storage: str | None = None) -> StudySpec:
         values = dict(attributes["spec"])
         common = values.pop("common")
         tuples = {name: tuple(common[name]) for name in ("opponents", "panel")}
-        also = tuple(values.pop("also"))
-        return StudySpec(
-            folder=folder, storage=storage, also=also, common=Common(**{**common, **tuples}), **values
-        )
+        values |= {"also": tuple(values["also"]), "common": Common(**{**common, **tuples})}
+        if values["preset"] == PRESET_FILE:
+            values["preset"] = str(folder / PRESET_FILE)
+        return StudySpec(folder=folder, storage=storage, **values)
     except (KeyError, TypeError, ValueError) as error:
         if isinstance(error, HexWarError):
             raise
@@ -164,8 +174,8 @@ def begin(spec: StudySpec, points: Iterable[object] = ()) -> optuna.Study:
         points: further ones that come next, unless they were there; a setting that is not said is sampled.
 
     Raises:
-        ConfigError: a study of that name searches another space, its trials are of another kind, or a point lies
-            outside.
+        ConfigError: a study of that name searches another space, its trials are of another kind, it is not ours, or
+            a point lies outside.
     """
     optuna.logging.set_verbosity(optuna.logging.WARNING)
     coming = [checked_point(point, spec.space) for point in points]
@@ -177,15 +187,23 @@ def begin(spec: StudySpec, points: Iterable[object] = ()) -> optuna.Study:
         load_if_exists=True,
     )
     meaning, known = spec.meaning(), study.user_attrs.get("meaning")
-    if known is None:
-        study.set_user_attr("meaning", meaning)
-        coming = [first_point(load_preset(spec.preset), spec.space), *coming]
-    elif known != meaning:
+    trials = study.get_trials(deepcopy=False)
+    if known is None and (
+        study.direction != MAXIMIZE or any(one.state != TrialState.WAITING for one in trials)
+    ):
+        raise ConfigError(f"{spec.folder}: the study {study.study_name!r} is not one of `hexwar tune`")
+    if known is not None and known != meaning:
         raise ConfigError(f"{spec.folder} holds another study: {_difference(known, meaning)}")
-    if study.user_attrs.get("spec") != spec.values():
-        study.set_user_attr("spec", spec.values())
+    if known is None:
+        coming = [first_point(load_preset(spec.preset), spec.space), *coming]
+    if spec.preset not in PRESETS and not (spec.folder / PRESET_FILE).exists():
+        save_preset(spec.folder / PRESET_FILE, load_preset(spec.preset), {"copy of": spec.preset})
     for point in coming:
         study.enqueue_trial(point, skip_if_exists=True)
+    if study.user_attrs.get("spec") != spec.values():
+        study.set_user_attr("spec", spec.values())
+    if known is None:
+        study.set_user_attr("meaning", meaning)
     return study
 
 
@@ -201,12 +219,12 @@ def run_study(spec: StudySpec, n_trials: int, workers: int = 1, say: Say = print
         say: told of every trial that ends.
 
     Raises:
-        ConfigError: a process cannot even begin a trial.
+        ConfigError: processes cannot even begin a trial.
         KeyboardInterrupt: it was stopped; what was running comes again.
     """
     check_whole("n_trials", n_trials, least=1)
     check_whole("workers", workers, least=1)
-    study, running = begin(spec), list[Worker]()
+    study, running, lost = begin(spec), list[Worker](), list[int]()
     told = {one.number for one in study.get_trials(deepcopy=False) if one.state.is_finished()}
     with _stopping(running, study, spec):
         while True:
@@ -220,7 +238,7 @@ def run_study(spec: StudySpec, n_trials: int, workers: int = 1, say: Say = print
                 running.append(_start(spec))
             elif running or under_way:  # others, too, may work on it
                 sleep(POLL_S)
-                _let_go(running, study)
+                _let_go(running, study, lost)
             else:
                 return study
 
@@ -306,7 +324,7 @@ def suggest(trial: BaseTrial, name: str, distribution: BaseDistribution) -> Any:
 
 def in_words(trial: FrozenTrial) -> str:
     """One line on a trial."""
-    point = ", ".join(f"{name} {_short(value)}" for name, value in trial.params.items())
+    point = ", ".join(f"{name} {short(value)}" for name, value in trial.params.items())
     what = {
         TrialState.COMPLETE: f"{trial.value:+.3f}" if trial.value is not None else "",
         TrialState.PRUNED: f"pruned after {len(trial.intermediate_values)} reports",
@@ -314,10 +332,6 @@ def in_words(trial: FrozenTrial) -> str:
         TrialState.RUNNING: "its process is gone",
     }
     return f"trial {trial.number}: {what.get(trial.state, '')} ({point})"
-
-
-def _short(value: object) -> str:
-    return f"{value:.3g}" if isinstance(value, float) else str(value)
 
 
 def _process(trial: FrozenTrial) -> tuple[str, int] | None:
@@ -334,17 +348,20 @@ def _tell_new(trials: list[FrozenTrial], told: set[int], say: Say) -> None:
             say(in_words(trial))
 
 
-def _let_go(running: list[Worker], study: optuna.Study) -> None:
-    """Forget the processes that ended.
+def _let_go(running: list[Worker], study: optuna.Study, lost: list[int]) -> None:
+    """Forget the processes that ended; `lost` are the exit codes of those since the last one that had a trial.
 
     Raises:
-        ConfigError: one failed before it had a trial.
+        ConfigError: several one after the other had none.
     """
     for process in [one for one in running if one.poll() is not None]:
         running.remove(process)
-        own = gethostname(), process.pid
-        if process.returncode > 0 and own not in map(_process, study.get_trials(deepcopy=False)):
-            raise ConfigError(f"a process ended with exit code {process.returncode} before it had a trial")
+        if (gethostname(), process.pid) in map(_process, study.get_trials(deepcopy=False)):
+            lost.clear()
+        else:
+            lost.append(process.returncode)
+        if len(lost) == MOST_LOST:
+            raise ConfigError(f"{MOST_LOST} processes ended before they had a trial, with exit codes {lost}")
 
 
 @contextmanager
@@ -366,9 +383,14 @@ def _stopping(running: list[Worker], study: optuna.Study, spec: StudySpec) -> It
             signal.signal(signal.SIGTERM, before)
 
 
-def _difference(known: dict[str, Any], own: dict[str, Any]) -> str:
-    names = [name for name in {**known, **own} if known.get(name) != own.get(name)]
-    return ", ".join(f"{name} {str(known.get(name))[:60]}, not {str(own.get(name))[:60]}" for name in names)
+def _difference(known: Any, own: Any, name: str = "") -> str:
+    """What differs, by name."""
+    if isinstance(known, dict) and isinstance(own, dict):
+        names = [key for key in {**known, **own} if known.get(key) != own.get(key)]
+        return ", ".join(
+            _difference(known.get(key), own.get(key), f"{name}.{key}".strip(".")) for key in names
+        )
+    return f"{name} {str(known)[:60]}, not {str(own)[:60]}"
 
 
 if __name__ == "__main__":

@@ -9,7 +9,7 @@ import optuna
 from optuna.trial import FrozenTrial, TrialState
 
 from hexwar_sb3.algorithms.preset_file import load_preset
-from hexwar_sb3.tuning.space import first_point
+from hexwar_sb3.tuning.space import first_point, short
 from hexwar_sb3.tuning.study import REASON, StudySpec
 
 LayOut = Callable[[Sequence[str], Sequence[Sequence[str]]], str]  # heads and rows, as text
@@ -19,22 +19,22 @@ def summary(study: optuna.Study, spec: StudySpec) -> dict[str, Any]:
     """All figures as JSON values; the best point only where a trial was completed."""
     trials = study.get_trials(deepcopy=False)
     count = {state.name.lower(): sum(one.state == state for one in trials) for state in TrialState}
-    ticks = sum(int(one.user_attrs.get("ticks", 0)) for one in trials)
-    whole = (spec.common.lower_ticks + spec.common.upper_ticks) * (count["complete"] + count["pruned"])
+    judged = [one for one in trials if one.state in (TrialState.COMPLETE, TrialState.PRUNED)]
     done = sorted(
-        (one for one in trials if one.state == TrialState.COMPLETE),
+        (one for one in judged if one.state == TrialState.COMPLETE),
         key=lambda one: (-(one.value or 0.0), one.number),
     )
     paper = first_point(load_preset(spec.preset), spec.space)
+    papers = sorted((one for one in trials if one.params == paper), key=lambda one: one not in done)
     return {
         "study": spec.folder.name,
         "trials": [_row(one) for one in trials],
         "count": count,
-        "ticks": ticks,
-        "ticks_without_pruning": whole,
-        "minutes": sum(_minutes(one) for one in trials),
+        "ticks": sum(int(one.user_attrs["ticks"]) for one in judged),
+        "ticks_without_pruning": (spec.common.lower_ticks + spec.common.upper_ticks) * len(judged),
+        "minutes": sum(_minutes(one) for one in trials if one in judged or REASON in one.user_attrs),
         "best": _row(done[0]) if done else None,
-        "paper": next((_row(one) for one in trials if one.params == paper), None),
+        "paper": _row(papers[0]) if papers else None,
     }
 
 
@@ -48,9 +48,8 @@ def in_words(figures: Mapping[str, Any], lay_out: LayOut) -> str:
         [
             str(row["number"]),
             row["state"],
-            *(_short(row["point"].get(name)) for name in names),
-            _short(row["value"]),
-            _short(row["win_rate"]),
+            *(short(row["point"].get(name, "")) for name in names),
+            *("" if row[name] is None else short(row[name]) for name in ("value", "win_rate")),
             row["reason"] or "",
         ]
         for row in order
@@ -86,7 +85,3 @@ def _row(trial: FrozenTrial) -> dict[str, Any]:
 
 def _minutes(trial: FrozenTrial) -> float:
     return trial.duration.total_seconds() / 60 if trial.duration is not None else 0.0
-
-
-def _short(value: object) -> str:
-    return "" if value is None else f"{value:.3g}" if isinstance(value, float) else str(value)

@@ -12,12 +12,12 @@ from typing import Any
 
 import optuna
 from filelock import FileLock, Timeout
-from optuna.exceptions import ExperimentalWarning
+from optuna.exceptions import ExperimentalWarning, UpdateFinishedTrialError
 from optuna.storages import fail_stale_trials
 from optuna.trial import FrozenTrial, TrialState
 
 WORKER, AGAIN = "worker", "again"  # attributes of a trial: its process; which trial it repeats
-PATIENCE_S = 30.0  # a trial that has not said by then who works on it has nobody
+PATIENCE_S = 120.0  # a trial that has not said by then who works on it has nobody
 ENDED = (TrialState.COMPLETE, TrialState.PRUNED, TrialState.FAIL)
 
 
@@ -55,7 +55,7 @@ def bury(study: optuna.Study, lock_of: Callable[[int], Path]) -> None:
         if is_gone(trial, lock_of(trial.number)):
             try:
                 study.tell(trial.number, state=TrialState.FAIL)
-            except ValueError:  # another process was faster
+            except (ValueError, UpdateFinishedTrialError):  # another process was faster
                 continue
             comes_again(study, trial)
 
@@ -63,7 +63,8 @@ def bury(study: optuna.Study, lock_of: Callable[[int], Path]) -> None:
 def comes_again(study: optuna.Study, trial: FrozenTrial) -> None:
     """Put the point of a failed trial in line, unless it was there for the second time."""
     if AGAIN not in trial.user_attrs:
-        study.enqueue_trial(trial.params, user_attrs={AGAIN: trial.number})
+        point = {**trial.system_attrs.get("fixed_params", {}), **trial.params}
+        study.enqueue_trial(point, user_attrs={AGAIN: trial.number})
 
 
 def ended(trials: list[FrozenTrial]) -> int:

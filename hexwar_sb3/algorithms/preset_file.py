@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import inspect
 from collections.abc import Mapping
-from dataclasses import asdict, fields
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -42,6 +43,9 @@ MOST = {
 }
 MOST |= dict.fromkeys(WIDTHS, 1_024)
 """Limits of those that cost memory or time."""
+MOST_WHOLE = 10**12
+PLAIN = {"float": (float, int), "int": (int,), "bool": (bool,), "str": (str,), "None": (type(None),)}
+"""Types that an annotation's word stands for."""
 
 
 def load_preset(name: str) -> Preset:
@@ -68,8 +72,8 @@ def save_preset(path: Path, preset: Preset, about: Mapping[str, Any]) -> None:
 
 
 def _checked(path: Path, values: dict[str, Any]) -> dict[str, Any]:
-    """Values of a stranger's preset: known names, plain values, no more than a machine can bear."""
-    own = {field.name: field.type for field in fields(Preset)}
+    """Values of a stranger's preset: known names, plain values of their kinds, no more than a machine can bear."""
+    own = _kinds(Preset)
     for name, value in values.items():
         if name not in own:
             raise FileFormatError(path, name[:40], found="an unknown setting", expected=", ".join(own))
@@ -82,7 +86,7 @@ def _checked(path: Path, values: dict[str, Any]) -> dict[str, Any]:
             if value not in LOWERS:
                 raise FileFormatError(path, name, found=repr(value)[:40], expected=" or ".join(LOWERS))
         else:
-            _check_value(path, name, value)
+            _check_value(path, name, value, own[name])
     phases = {"phase_ticks": tuple(values["phase_ticks"])} if "phase_ticks" in values else {}
     return {**values, **phases}
 
@@ -90,6 +94,7 @@ def _checked(path: Path, values: dict[str, Any]) -> dict[str, Any]:
 def _check_part(path: Path, part: str, values: object) -> None:
     if not isinstance(values, dict):
         raise FileFormatError(path, part, found=type(values).__name__, expected="names and values")
+    kinds = _kinds(_owner(part))
     for name, value in values.items():
         place = f"{part}.{name}"[:60]
         if name not in KNOWN[part]:
@@ -98,14 +103,33 @@ def _check_part(path: Path, part: str, values: object) -> None:
             if not isinstance(value, dict) or not set(value) <= set(WIDTHS):
                 raise FileFormatError(path, place, found=repr(value)[:40], expected=f"some of {WIDTHS}")
             for width, number in value.items():
-                _check_value(path, f"{place}.{width}", number)
+                _check_value(path, f"{place}.{width}", number, "int")
         else:
-            _check_value(path, place, value)
+            _check_value(path, place, value, kinds[name])
 
 
-def _check_value(path: Path, place: str, value: object) -> None:
-    if not isinstance(value, bool | int | float | str | None):
-        raise FileFormatError(path, place, found=type(value).__name__, expected="a number or a name")
+def _owner(part: str) -> type:
+    """Whose arguments the settings of a part are."""
+    from hexwar_sb3.algorithms.masked_dqn import MaskedDQN
+    from hexwar_sb3.algorithms.qmix import QMIX
+    from hexwar_sb3.envs.route_settings import RouteSettings
+    from hexwar_sb3.envs.settings import TaskSettings
+
+    owners = {"env": TaskSettings, "route": RouteSettings, "learner": QMIX, "lower_learner": MaskedDQN}
+    return owners[part]
+
+
+def _kinds(owner: type) -> dict[str, str]:
+    """Annotations of an owner's arguments, as they are written."""
+    return {name: str(one.annotation) for name, one in inspect.signature(owner).parameters.items()}
+
+
+def _check_value(path: Path, place: str, value: object, kind: str) -> None:
+    kinds = [name for name in kind.split(" | ") if name in PLAIN]
+    if not any(type(value) in PLAIN[name] for name in kinds):
+        raise FileFormatError(path, place, found=repr(value)[:40], expected=" or ".join(kinds))
+    if type(value) is int and abs(value) > MOST_WHOLE:
+        raise FileFormatError(path, place, found="a huge number", expected=f"at most {MOST_WHOLE}")
     most = MOST.get(place.rpartition(".")[2])
     if most is not None and not (type(value) is int and 1 <= value <= most):
         raise FileFormatError(path, place, found=repr(value)[:40], expected=f"a whole number in 1..{most}")

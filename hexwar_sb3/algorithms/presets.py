@@ -50,12 +50,10 @@ class Preset:
         """The same preset with other values.
 
         Args:
-            settings: values by name, those of `hexwar train`'s flags and `WIDTHS`; None leaves the preset's.
+            settings: values by name, those of `hexwar train`'s flags and `WIDTHS`.
         """
         new: Settings = {}
         for name, value in settings.items():
-            if value is None:
-                continue
             if name in WIDTHS:
                 learner = new.get("learner", self.learner)
                 new["learner"] = {

@@ -127,6 +127,7 @@ class Train:
         folder.write_config(self, " ".join(["hexwar", *sys.argv[1:]]))
         if self.preset not in PRESETS:
             shutil.copyfile(self.preset, folder.preset)
+            return train(replace(self, preset=str(folder.preset)), model, folder)
         return train(self, model, folder)
 
     def terms(self, games: int | None = None, purpose: Purpose = Purpose.REPORT) -> Terms:
@@ -187,7 +188,8 @@ class Train:
             UnknownNameError: there is no such preset, nor such a file.
             FileFormatError: its file is broken.
         """
-        return load_preset(self.preset).changed({name: getattr(self, name) for name in OF_PRESET})
+        given = {name: getattr(self, name) for name in OF_PRESET}
+        return load_preset(self.preset).changed({name: one for name, one in given.items() if one is not None})
 
     @property
     def env(self) -> dict[str, Any]:

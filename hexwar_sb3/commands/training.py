@@ -18,7 +18,7 @@ from hexwar_sb3.algorithms.qmix import QMIX
 from hexwar_sb3.callbacks.checkpoint import Checkpoint
 from hexwar_sb3.callbacks.progress import ProgressBar
 from hexwar_sb3.callbacks.record import write_games
-from hexwar_sb3.callbacks.shares import ShareOfGames
+from hexwar_sb3.callbacks.shares import shares_of
 from hexwar_sb3.callbacks.win_rate import WinRateCallback
 from hexwar_sb3.commands.output import print_json
 from hexwar_sb3.commands.page import TRAINED, write_page
@@ -201,17 +201,7 @@ def watchers(settings: Train, folder: RunFolder) -> list[BaseCallback]:
         settings.eval_freq, settings.opponents, terms, folder=folder.path, about=about(settings)
     )
     bar = [ProgressBar(settings.n_timesteps)] if settings.progress else []
-    return [*shares(settings), win_rate, *bar]
-
-
-def shares(settings: Train) -> list[BaseCallback]:
-    """Build the callbacks that let games begin in a special way: demonstrations first, warm starts while they help."""
-    shown, warm = settings.value("demo_share"), settings.value("warm_start")
-    last, half = settings.value("demo_games"), max(1, settings.games // 2)
-    return [
-        ShareOfGames("set_demo_share", lambda games: shown if games < last else 0.0),
-        ShareOfGames("set_warm_start", lambda games: warm * max(0.0, 1.0 - games / half)),
-    ]
+    return [*shares_of(settings.chosen, settings.games), win_rate, *bar]
 
 
 def new_logger(folder: Path) -> Logger:

@@ -46,7 +46,7 @@ class Tune:
     # points to try next, as JSON: '{"alpha": 1.0, "beta": 0.5}'; what is not said is sampled
     enqueue: tuple[str, ...] = ()
     preset: str = "default"  # whose other settings all trials have
-    sampler: Literal["tpe", "random", "qmc"] = "tpe"  # draws the points
+    sampler: Literal["tpe", "gp", "random", "qmc"] = "tpe"  # draws the points
     pruner: Literal["median", "halving", "none"] = "median"  # breaks trials off
     scenario: ScenarioName = "plain"
     opponents: tuple[str, ...] = ("MA1", "MA2")  # of the trainings

@@ -57,7 +57,23 @@ BAD: dict[str, tuple[Callable[[dict[str, Any]], object], str]] = {
     "one phase": (lambda file: file["preset"].update(phase_ticks=[1]), "phase_ticks: found [1]"),
     "a list for a number": (
         lambda file: file["preset"]["route"].update(alpha=[1]),
-        "route.alpha: found list",
+        "route.alpha: found [1]; expected float",
+    ),
+    "a word for a number": (
+        lambda file: file["preset"]["learner"].update(gamma="abc"),
+        "learner.gamma: found 'abc'; expected float",
+    ),
+    "a word for a count": (lambda file: file["preset"].update(demo_games="x"), "demo_games: found 'x'"),
+    "nothing for a share": (lambda file: file["preset"].update(demo_share=None), "demo_share: found None"),
+    "a number for a name": (
+        lambda file: file["preset"]["learner"].update(mixer=1),
+        "learner.mixer: found 1; expected str",
+    ),
+    "yes for a number": (lambda file: file["preset"].update(tie=True), "tie: found True; expected float"),
+    "a number of 400 digits": (lambda file: file["preset"].update(tie=10**400), "tie: found a huge number"),
+    "half a step": (
+        lambda file: file["preset"]["lower_learner"].update(train_freq=0.5),
+        "lower_learner.train_freq: found 0.5; expected int",
     ),
     "a list for a part": (lambda file: file["preset"].update(env=[]), "env: found list"),
 }

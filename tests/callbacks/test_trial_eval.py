@@ -56,7 +56,7 @@ def test_a_pruned_trial_ends_the_training() -> None:
 
 
 def test_a_study_of_ones_own_with_qmix() -> None:
-    """The third trial reaches less than the two before it, by construction, and is pruned."""
+    """Without a pruner both evaluations are heard; one that prunes at once ends the training at the first."""
 
     def objective(trial: optuna.Trial) -> float:
         steps = trial.suggest_int("steps", 1, 3)

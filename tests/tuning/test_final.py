@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import json
+import shutil
+from pathlib import Path
 
 import pytest
 
 from hexwar_sb3.cli import main
 from hexwar_sb3.play.frozen import FrozenPolicy
 from hexwar_sb3.tuning.final import compare
-from hexwar_sb3.tuning.study import StudySpec, begin, best_trial
+from hexwar_sb3.tuning.study import StudySpec, begin, best_trial, known_spec
 
 
 def test_best_and_paper_meet_the_panel_on_the_same_games(finished: StudySpec) -> None:
@@ -29,6 +31,20 @@ def test_best_and_paper_meet_the_panel_on_the_same_games(finished: StudySpec) ->
     trained = sorted(path.name for path in (finished.folder / "finalists").iterdir())
     assert len(trained) == len({str(point) for point in found["points"].values()})  # seed 0 is the study's
     assert all(name.endswith("-seed1") for name in trained)
+
+
+def test_where_the_papers_point_is_the_best_it_is_trained_once(finished: StudySpec, tmp_path: Path) -> None:
+    folder = tmp_path / "papers"
+    shutil.copytree(finished.folder, folder)
+    study = begin(known_spec(folder))
+    for _ in range(2):
+        study.enqueue_trial({"alpha": 0.01, "beta": 0.05, "decision_ticks": 75})
+        study.tell(study.ask(fixed_distributions=finished.space), 9.0)
+    found = compare(known_spec(folder), games=2, seeds=(5, 5))
+
+    assert found["points"]["best"] == found["points"]["paper"]
+    assert found["best_minus_paper"]["all"]["margin"] == {"value": 0.0, "interval": [0.0, 0.0]}
+    assert len(list((folder / "finalists").iterdir())) == 1
 
 
 def test_the_best_point_becomes_a_preset_of_train(

@@ -11,12 +11,14 @@ import time
 from collections.abc import Callable
 from dataclasses import asdict, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 import optuna
 import pytest
 from optuna.trial import TrialState
 
+from hexwar_sb3.algorithms.preset_file import load_preset, save_preset
+from hexwar_sb3.algorithms.presets import PRESETS
 from hexwar_sb3.errors import ConfigError, UnknownNameError
 from hexwar_sb3.play.frozen import FrozenPolicy
 from hexwar_sb3.tuning.objective import Common
@@ -81,8 +83,8 @@ def test_a_study_goes_on_with_another_sampler_and_pruner(spec: StudySpec) -> Non
 
 
 OTHERS: dict[str, tuple[Callable[[StudySpec], StudySpec], str]] = {
-    "space": (lambda spec: replace(spec, also=("mixer",)), "holds another study: space"),
-    "preset": (lambda spec: replace(spec, preset="paper"), "holds another study: preset"),
+    "space": (lambda spec: replace(spec, also=("mixer",)), r"holds another study: space\.mixer None, not"),
+    "preset": (lambda spec: replace(spec, preset="paper"), r"holds another study: preset\.n_envs 32, not 16"),
     "budget": (
         lambda spec: replace(spec, common=replace(spec.common, upper_ticks=72_000)),
         "holds another study: upper_ticks 108000, not 72000",
@@ -170,26 +172,74 @@ def test_a_trial_of_a_process_that_is_gone_comes_again(spec: StudySpec) -> None:
     """As a machine leaves it that went down: parent and worker are gone."""
     study = begin(spec)
     trial = study.ask()
-    trial.set_user_attr(WORKER, {"host": os.uname().nodename, "pid": 2**22 - 1, "born": "0"})
+    trial.set_user_attr(WORKER, {"host": os.uname().nodename, "pid": 2**22 - 1})
     run_study(spec, 1, say=lambda _: None)
 
-    assert [one.state for one in begin(spec).trials] == [TrialState.FAIL, TrialState.COMPLETE]
+    dead, again = begin(spec).trials
+    assert (dead.state, again.state) == (TrialState.FAIL, TrialState.COMPLETE)
+    assert again.params == {
+        "alpha": 0.01,
+        "beta": 0.05,
+        "decision_ticks": 75,
+    }  # the paper's, which was in line
 
 
 def test_a_point_that_dies_twice_counts_as_failed(spec: StudySpec) -> None:
     study = begin(spec)
     for _ in range(2):
-        trial = study.ask()
-        trial.suggest_float("alpha", 1e-3, 1.0, log=True)
-        trial.set_user_attr(WORKER, {"host": os.uname().nodename, "pid": 2**22 - 1, "born": "0"})
-        run_study(spec, 1, say=lambda _: None) if trial.number else None
+        study.ask().set_user_attr(WORKER, {"host": os.uname().nodename, "pid": 2**22 - 1})
         bury(study, spec.lock)
-    assert ended(study.get_trials()) == 1
+
+    assert [one.state for one in study.trials] == [TrialState.FAIL] * 2
+    assert ended(study.trials) == 1
+
+
+def test_another_process_that_is_faster_does_not_hurt(
+    spec: StudySpec, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    study = begin(spec)
+    study.ask().set_user_attr(WORKER, {"host": os.uname().nodename, "pid": 2**22 - 1})
+
+    def too_late(*_: Any, **__: Any) -> NoReturn:
+        raise optuna.exceptions.UpdateFinishedTrialError
+
+    monkeypatch.setattr(study, "tell", too_late)
+    bury(study, spec.lock)
+
+    assert len(study.trials) == 1  # who was faster puts it in line
+
+
+def test_processes_that_never_get_a_trial_end_the_study(
+    spec: StudySpec, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(sys, "executable", "/bin/false")
+    with pytest.raises(ConfigError, match="3 processes ended before they had a trial"):
+        run_study(spec, 1, say=lambda _: None)
+
+
+def test_a_study_keeps_its_preset_and_may_be_moved(spec: StudySpec, tmp_path: Path) -> None:
+    mine = tmp_path / "mine.json"
+    save_preset(mine, PRESETS["default"].changed({"gamma": 0.9}), {})
+    begin(replace(spec, preset=str(mine)))
+    mine.unlink()
+    spec.folder.rename(tmp_path / "elsewhere")
+    moved = known_spec(tmp_path / "elsewhere")
+
+    assert load_preset(moved.preset).learner["gamma"] == 0.9
+    begin(moved)
+    other = load_preset(moved.preset).changed({"gamma": 0.8})
+    save_preset(mine, other, {})
+    with pytest.raises(ConfigError, match=r"preset\.learner\.gamma 0\.9, not 0\.8"):
+        begin(replace(moved, preset=str(mine)))
 
 
 WRONG: dict[str, tuple[dict[str, Any], str]] = {
     "sampler": ({"sampler": "tpr"}, "unknown sampler 'tpr'; did you mean 'tpe'"),
     "pruner": ({"pruner": "mean"}, "unknown pruner 'mean'"),
+    "a value of the preset that is not searched": (
+        {"preset": "paper", "also": ("learning_rate",)},
+        "learning_rate must be of FloatDistribution",
+    ),
     "setting": ({"also": ("widths",)}, "unknown setting 'widths'"),
     "preset": ({"preset": "fast"}, "unknown preset 'fast'"),
     "panel": ({"common": Common(panel=("MA9",))}, "unknown player 'MA9'"),

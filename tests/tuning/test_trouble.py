@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 import sqlite3
+import subprocess
+import sys
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, NoReturn
 
+import optuna
 import pytest
 from optuna.trial import TrialState
 
@@ -52,12 +56,76 @@ def test_a_trial_without_memory_fails_and_says_so(spec: StudySpec, monkeypatch: 
     assert trial.user_attrs[REASON] == "MemoryError: 8 TB"
 
 
-@pytest.mark.parametrize("content", ["{", '{"op_code": 99}\n', "[" * 100_000 + "\n", "\0\0\n"])
-def test_a_broken_journal_is_named(content: str, spec: StudySpec) -> None:
+@pytest.mark.parametrize(
+    "content", ["{", '{"op_code": 99}\n', "[" * 100_000 + "\n", "\0\0\n", "{}\n", "[\n[]\n", "null\n"]
+)
+def test_a_broken_journal_is_named_and_left_as_it_is(content: str, spec: StudySpec) -> None:
     spec.folder.mkdir()
-    (spec.folder / JOURNAL).write_text(content)
-    with pytest.raises((FileFormatError, ConfigError), match=rf"{JOURNAL}|there is no study"):
-        known_spec(spec.folder)
+    path = spec.folder / JOURNAL
+    path.write_text(content)
+    for opens in (lambda: known_spec(spec.folder), lambda: begin(spec)):
+        with pytest.raises(FileFormatError, match=JOURNAL):
+            opens()
+    assert path.read_text() == content
+
+
+@pytest.mark.parametrize("lost", [1, 20])
+def test_an_entry_that_was_cut_off_is_dropped(lost: int, spec: StudySpec) -> None:
+    """As a kill or a power cut leaves it."""
+    study = begin(spec)
+    study.enqueue_trial({"alpha": 1.0})
+    path = spec.folder / JOURNAL
+    path.write_bytes(path.read_bytes()[:-lost])
+    study = begin(spec)
+    study.enqueue_trial({"alpha": 0.5})
+
+    assert [one.system_attrs["fixed_params"]["alpha"] for one in begin(spec).trials] == [0.01, 0.5]
+
+
+def test_a_full_disk_leaves_a_journal_that_can_be_gone_on_with(spec: StudySpec) -> None:
+    begin(spec)
+    size = (spec.folder / JOURNAL).stat().st_size
+    write = f"""
+import resource, signal
+from pathlib import Path
+from hexwar_sb3.tuning.store import open_storage
+import optuna
+study = optuna.load_study(study_name="study", storage=open_storage(Path({str(spec.folder)!r})))
+signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+resource.setrlimit(resource.RLIMIT_FSIZE, ({size + 30}, {size + 30}))
+try:
+    study.enqueue_trial({{"alpha": 1.0}})
+except OSError as error:
+    print(error.strerror)
+"""
+    done = subprocess.run([sys.executable, "-c", write], capture_output=True, text=True, check=True)
+    assert done.stdout == "File too large\n"
+    assert (spec.folder / JOURNAL).stat().st_size == size
+
+    begin(spec).enqueue_trial({"alpha": 0.5})
+    assert len(begin(spec).trials) == 2
+
+
+FOREIGN: dict[str, Callable[[optuna.storages.BaseStorage, str], object]] = {
+    "minimized": lambda storage, name: optuna.create_study(
+        storage=storage, study_name=name, direction="minimize"
+    ),
+    "with trials": lambda storage, name: optuna.create_study(
+        storage=storage, study_name=name, direction="maximize"
+    ).optimize(lambda trial: trial.suggest_float("x", 0, 1), n_trials=1),
+}
+
+
+@pytest.mark.parametrize("what", FOREIGN)
+def test_a_study_that_is_not_ours_is_left_alone(what: str, spec: StudySpec, tmp_path: Path) -> None:
+    url = f"sqlite:///{tmp_path / 'mine.db'}"
+    FOREIGN[what](optuna.storages.RDBStorage(url), spec.folder.name)
+    with pytest.raises(ConfigError, match="'small' is not one of `hexwar tune`"):
+        begin(replace(spec, storage=url))
+    theirs = optuna.load_study(storage=url, study_name=spec.folder.name)
+
+    assert theirs.user_attrs == {}
+    assert all(one.state == TrialState.COMPLETE for one in theirs.trials)
 
 
 def test_a_locked_database_is_named(spec: StudySpec, tmp_path: Path) -> None:
@@ -76,6 +144,10 @@ STORAGES = {
     "no such place": ("sqlite:////nowhere/at/all/study.db", "unable to open database file"),
     "no such kind": ("nosql://here", "nosql"),
     "no URL": ("study.db", "parse SQLAlchemy URL"),
+    "in memory": ("sqlite://", "one in memory is not shared"),
+    "a brace in the password": ("postgresql+psycopg://u:sec{ret}@h/d", "its URL is not understood\n"),
+    "a password for a port": ("postgresql+psycopg://u:hunter2/db", "its URL is not understood\n"),
+    "a word for a number": ("sqlite:///x.db?timeout=abc", "its URL is not understood\n"),
     "nobody answers": ("postgresql+psycopg://x@127.0.0.1:1/x?connect_timeout=1", "the study's database: "),
 }
 
