@@ -18,6 +18,7 @@ from hexwar_sb3.files import replacing
 from hexwar_sb3.tuning.space import short
 
 LEAST_FOR_IMPORTANCES = 4  # completed trials
+PANELS_A_ROW = 4
 REACHED = "mean margin / 134"
 
 
@@ -68,32 +69,37 @@ def _draw_surface(trials: list[FrozenTrial]) -> Any:
 
     times = sorted({one.params["decision_ticks"] for one in trials})
     reached = [_reached(one) for one in trials]
+    columns = min(len(times), PANELS_A_ROW)
+    rows = -(-len(times) // columns)
     figure, panels = plt.subplots(
-        1,
-        len(times),
-        figsize=(2.2 * len(times) + 1, 2.8),
+        rows,
+        columns,
+        figsize=(2.2 * columns + 1.2, 2.2 * rows + 0.4),
         sharex=True,
         sharey=True,
         squeeze=False,
         layout="constrained",
     )
     colours = mpl.cm.ScalarMappable(mpl.colors.Normalize(min(reached), max(reached) + 1e-9), "viridis")
-    for axes, ticks in zip(panels[0], times, strict=True):
+    for axes, ticks in zip(panels.flat, times, strict=False):
         _draw_panel(axes, [one for one in trials if one.params["decision_ticks"] == ticks], colours)
-        axes.set(xscale="log", yscale="log", title=f"every {ticks} ticks", xlabel="alpha")
+        axes.set_title(f"every {ticks} ticks", fontsize="medium")
+    for axes in panels.flat[len(times) :]:
+        axes.set_axis_off()
     for name, limits in (("alpha", panels[0][0].set_xlim), ("beta", panels[0][0].set_ylim)):
         searched: Any = trials[0].distributions[name]
-        limits(0.8 * searched.low, 1.25 * searched.high)
-    panels[0][0].set_ylabel("beta")
-    figure.colorbar(colours, ax=panels[0].tolist(), label=f"{REACHED}; x: pruned")
+        limits(np.log10(searched.low) - 0.1, np.log10(searched.high) + 0.1)
+    figure.supxlabel("log10 alpha")
+    figure.supylabel("log10 beta")
+    figure.colorbar(colours, ax=panels.ravel().tolist(), label=f"{REACHED}; x: pruned")
     return panels
 
 
 def _draw_panel(axes: Any, trials: list[FrozenTrial], colours: Any) -> None:
     """Draw the trials of one Delta-t; between them, where they span an area, the surface."""
-    at = np.array([[one.params["alpha"], one.params["beta"]] for one in trials])
+    at = np.log10([[one.params["alpha"], one.params["beta"]] for one in trials])
     reached = np.array([_reached(one) for one in trials])
-    if np.linalg.matrix_rank(np.log(at) - np.log(at[0]), tol=0.1) == at.shape[1]:
+    if np.linalg.matrix_rank(at - at[0], tol=0.1) == at.shape[1]:
         axes.tricontourf(*at.T, reached, levels=12, cmap=colours.cmap, norm=colours.norm, alpha=0.4)
     for state, marker in ((TrialState.COMPLETE, "o"), (TrialState.PRUNED, "x")):
         some = np.array([one.state == state for one in trials])

@@ -79,13 +79,20 @@ def checked_point(point: object, space: Space) -> Point:
         if name not in space:
             raise UnknownNameError("setting", str(name), space)
         if not _holds(space[name], value):
-            raise ConfigError(f"{name} must be of {space[name]}, got {value!r}")
+            raise ConfigError(f"{name} must be {_in_words(space[name])}, got {value!r}")
     return point
 
 
 def short(value: object) -> str:
     """A value in three digits."""
     return f"{value:.3g}" if isinstance(value, float) else str(value)
+
+
+def _in_words(distribution: BaseDistribution) -> str:
+    if isinstance(distribution, CategoricalDistribution):
+        return f"one of {', '.join(map(str, distribution.choices))}"
+    kind = "a whole number" if isinstance(distribution, IntDistribution) else "a number"
+    return f"{kind} in {distribution.low}..{distribution.high}"  # type: ignore[attr-defined]
 
 
 def _holds(distribution: BaseDistribution, value: object) -> bool:

@@ -390,7 +390,8 @@ def _difference(known: Any, own: Any, name: str = "") -> str:
         return ", ".join(
             _difference(known.get(key), own.get(key), f"{name}.{key}".strip(".")) for key in names
         )
-    return f"{name} {str(known)[:60]}, not {str(own)[:60]}"
+    found, asked = ("nothing" if one is None else str(one)[:60] for one in (known, own))
+    return f"{name} {found}, not {asked}"
 
 
 if __name__ == "__main__":

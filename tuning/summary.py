@@ -55,8 +55,9 @@ def in_words(figures: Mapping[str, Any], lay_out: LayOut) -> str:
         for row in order
     ]
     count = ", ".join(f"{number} {state}" for state, number in figures["count"].items() if number)
-    saved = max(0.0, 1.0 - figures["ticks"] / max(1, figures["ticks_without_pruning"]))
-    cost = f"{figures['ticks'] / 1e6:.1f} million ticks, {100 * saved:.0f} % saved by pruning"
+    ticks, whole = figures["ticks"], figures["ticks_without_pruning"]
+    saved = max(0.0, 1 - ticks / whole) if whole else 0.0  # a trial may take a few ticks more
+    cost = f"{ticks / 1e6:.1f} million ticks, {100 * saved:.0f} % saved by pruning"
     return "\n\n".join(
         [
             lay_out(("trial", "state", *names, "margin / 134", "win rate", ""), rows),

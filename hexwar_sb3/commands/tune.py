@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import tyro
 
+from hexwar_sb3.checks import check_whole
 from hexwar_sb3.commands.output import compile_first, panel_table, print_json, table
 from hexwar_sb3.commands.settings import Json, ScenarioName, Seed
 from hexwar_sb3.errors import ConfigError
@@ -91,6 +92,8 @@ class Tune:
             pruner=self.pruner,
             common=common,
         )
+        check_whole("n_trials", self.n_trials, least=1)
+        check_whole("workers", self.workers, least=1)
         begin(spec, map(_point, self.enqueue))
         compile_first(scenario=self.scenario)
         try:

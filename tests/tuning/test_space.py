@@ -65,12 +65,12 @@ def test_a_point_changes_the_preset_where_it_belongs() -> None:
 POINTS: dict[str, tuple[object, str]] = {
     "no names": ([1, 2], "a point is names and values, got"),
     "another setting": ({"gamma": 0.9}, "unknown setting 'gamma'"),
-    "too high": ({"alpha": 2.0}, "alpha must be of FloatDistribution"),
-    "a word": ({"beta": "0.1"}, "beta must be of"),
-    "half a tick": ({"decision_ticks": 7.5}, "decision_ticks must be of CategoricalDistribution"),
-    "yes": ({"spots": True}, "spots must be of IntDistribution"),
-    "half a spot": ({"spots": 2.5}, "spots must be of"),
-    "no number": ({"alpha": float("nan")}, "alpha must be of"),
+    "too high": ({"alpha": 2.0}, "alpha must be a number in 0.001..1.0, got 2.0"),
+    "a word": ({"beta": "0.1"}, "beta must be a number"),
+    "half a tick": ({"decision_ticks": 7.5}, "decision_ticks must be one of 15, 25, 50, 75"),
+    "yes": ({"spots": True}, "spots must be a whole number in 2..12"),
+    "half a spot": ({"spots": 2.5}, "spots must be a whole number"),
+    "no number": ({"alpha": float("nan")}, "alpha must be"),
 }
 
 

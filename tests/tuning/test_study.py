@@ -83,7 +83,7 @@ def test_a_study_goes_on_with_another_sampler_and_pruner(spec: StudySpec) -> Non
 
 
 OTHERS: dict[str, tuple[Callable[[StudySpec], StudySpec], str]] = {
-    "space": (lambda spec: replace(spec, also=("mixer",)), r"holds another study: space\.mixer None, not"),
+    "space": (lambda spec: replace(spec, also=("mixer",)), r"holds another study: space\.mixer nothing, not"),
     "preset": (lambda spec: replace(spec, preset="paper"), r"holds another study: preset\.n_envs 32, not 16"),
     "budget": (
         lambda spec: replace(spec, common=replace(spec.common, upper_ticks=72_000)),
@@ -238,7 +238,7 @@ WRONG: dict[str, tuple[dict[str, Any], str]] = {
     "pruner": ({"pruner": "mean"}, "unknown pruner 'mean'"),
     "a value of the preset that is not searched": (
         {"preset": "paper", "also": ("learning_rate",)},
-        "learning_rate must be of FloatDistribution",
+        r"learning_rate must be a number in 0\.0001\.\.0\.01, got 0\.1",
     ),
     "setting": ({"also": ("widths",)}, "unknown setting 'widths'"),
     "preset": ({"preset": "fast"}, "unknown preset 'fast'"),
