@@ -48,7 +48,7 @@ from hexwar_sb3.tuning.workers import WORKER, bury, ended, this_process
 STORAGE = "HEXWAR_STUDY_STORAGE"  # environment of a study's processes: URL of its database
 PRESET_FILE = "preset.json"  # of a study that was begun with one
 MAXIMIZE = optuna.study.StudyDirection.MAXIMIZE
-POLL_S = 0.2
+POLL_S = 0.5
 MOST_LOST = 3  # processes one after the other that end before they have a trial
 REASON, REASON_LENGTH = "reason", 200  # attribute of a trial that failed by itself; characters
 PRUNERS: dict[str, Callable[[int], optuna.pruners.BasePruner]] = {
