@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -51,7 +52,7 @@ def compare(
         games: a policy, opponent and colour.
         seeds: of the trainings; one that the study did not make is made, by its own budget. Trainings of one point
             differ by more than games tell: the intervals are those of the games.
-        workers: trainings side by side.
+        workers: trainings, and then finalists, side by side.
 
     Returns:
         Points, rows of both, and the paired differences of margin (points) and win rate (percent), for each seed and of
@@ -68,7 +69,8 @@ def compare(
         one.policy: one for one in finalists if not one.policy.is_dir()
     }  # once, if best and paper are one
     run_jobs(_train, list(missing.values()), workers, "training")
-    panels = {one.number: _play(one, games) for one in finalists}
+    played = run_jobs(partial(_play, games=games), finalists, workers, "finalist")
+    panels = {one.number: panel for one, panel in zip(finalists, played, strict=True)}
     pairs = {seed: (panels[f"best {seed}"].total, panels[f"paper {seed}"].total) for seed in seeds}
     return {
         "points": points,

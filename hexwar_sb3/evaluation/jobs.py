@@ -1,4 +1,4 @@
-"""Jobs side by side: functions of their arguments alone, that leave files."""
+"""Jobs side by side: functions of their arguments alone."""
 
 from __future__ import annotations
 
@@ -7,33 +7,38 @@ import signal
 import warnings
 from collections.abc import Callable, Sequence
 from threading import current_thread, main_thread
-from typing import TypeVar
+from typing import TypeVar, cast
 
 from joblib import Parallel, delayed
 from tqdm import tqdm
 
 Spec = TypeVar("Spec")
+Made = TypeVar("Made")
 
 
-def run_jobs(function: Callable[[Spec], object], specs: Sequence[Spec], jobs: int, what: str) -> None:
+def run_jobs(function: Callable[[Spec], Made], specs: Sequence[Spec], jobs: int, what: str) -> list[Made]:
     """Call a function once a spec, some calls side by side in processes of joblib, and show how many have begun.
 
     The backend is joblib's own (loky) or the one that `joblib.parallel_config` names.
 
     Args:
-        function: leaves what it makes in files.
+        function: leaves what is large in files.
         specs: its arguments; with more than one job they are pickled.
         jobs: calls side by side; 1 stays in this process.
         what: one of them, in a word.
+
+    Returns:
+        What the calls return, in the order of the specs.
     """
     shown = tqdm(specs, unit=what, dynamic_ncols=True, leave=False, disable=None)
     with warnings.catch_warnings():
         # Maps that a game reads into memory look like a leak, and loky starts another worker: nothing is lost.
         warnings.filterwarnings("ignore", "A worker stopped while some jobs", UserWarning)
-        Parallel(n_jobs=jobs)(delayed(_call)(function, spec, os.getpid()) for spec in shown)
+        made = Parallel(n_jobs=jobs)(delayed(_call)(function, spec, os.getpid()) for spec in shown)
+    return cast("list[Made]", made)
 
 
-def _call(function: Callable[[Spec], object], spec: Spec, waiting: int) -> object:
+def _call(function: Callable[[Spec], Made], spec: Spec, waiting: int) -> Made:
     """Call it; in a process of its own Ctrl-C ends it without a word: the process that waits says what is to be said."""
     if os.getpid() != waiting and current_thread() is main_thread():
         signal.signal(signal.SIGINT, signal.SIG_DFL)
