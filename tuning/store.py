@@ -10,6 +10,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+from filelock import FileLock
 from optuna.exceptions import ExperimentalWarning, StorageInternalError
 from optuna.storages import BaseStorage, JournalStorage, RDBStorage
 from optuna.storages.journal import JournalFileBackend, JournalFileSymlinkLock
@@ -70,11 +71,26 @@ def database_errors() -> Iterator[None]:
         raise ConfigError(f"the study's database: {str(cause).splitlines()[0]}") from error
 
 
+class _Lock(JournalFileSymlinkLock):
+    """A lock that ends with its process, also a killed one: Optuna's own would be waited for, half a minute."""
+
+    def __init__(self, path: Path) -> None:
+        super().__init__(str(path))
+        self._file = FileLock(path)
+
+    def acquire(self) -> bool:
+        self._file.acquire()
+        return True
+
+    def release(self) -> None:
+        self._file.release()
+
+
 class _Journal(JournalFileBackend):
     """A journal whose entries are whole lines: what a full disk or a kill leaves of one is cut off."""
 
     def __init__(self, path: Path) -> None:
-        self._path, self._own_lock = path, JournalFileSymlinkLock(str(path))
+        self._path, self._own_lock = path, _Lock(path.with_suffix(".lock"))
         super().__init__(str(path), lock_obj=self._own_lock)
         self.cut_off()
         with path.open("rb") as file:

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import signal
 import sqlite3
 import subprocess
 import sys
+import time
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -80,6 +82,23 @@ def test_an_entry_that_was_cut_off_is_dropped(lost: int, spec: StudySpec) -> Non
     study.enqueue_trial({"alpha": 0.5})
 
     assert [one.system_attrs["fixed_params"]["alpha"] for one in begin(spec).trials] == [0.01, 0.5]
+
+
+def test_a_process_that_is_killed_while_it_writes_holds_nobody_up(spec: StudySpec) -> None:
+    begin(spec)
+    hold = f"""
+import os, signal
+from pathlib import Path
+from hexwar_sb3.tuning.store import open_storage
+open_storage(Path({str(spec.folder)!r}))._backend._own_lock.acquire()
+os.kill(os.getpid(), signal.SIGKILL)
+"""
+    done = subprocess.run([sys.executable, "-c", hold], check=False)
+    assert done.returncode == -signal.SIGKILL
+
+    begun = time.monotonic()
+    begin(spec).enqueue_trial({"alpha": 0.5})
+    assert time.monotonic() - begun < 10.0
 
 
 def test_a_full_disk_leaves_a_journal_that_can_be_gone_on_with(spec: StudySpec) -> None:
