@@ -1,29 +1,32 @@
-"""Finalists of a study: its best point and the paper's, on the same fresh games."""
+"""Finalists of a study: points of its trials and the paper's, on the same fresh games."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from math import sqrt
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from optuna.trial import FixedTrial, TrialState
+from scipy.stats import t as student
 
 from hexwar_sb3.algorithms.preset_file import load_preset
 from hexwar_sb3.checks import check_whole
-from hexwar_sb3.evaluation.intervals import paired_interval
+from hexwar_sb3.evaluation.intervals import CONFIDENCE, paired_interval
 from hexwar_sb3.evaluation.jobs import run_jobs
 from hexwar_sb3.evaluation.panel import Panel, play_panel
 from hexwar_sb3.evaluation.results import CampResult
 from hexwar_sb3.evaluation.seeds import Purpose
 from hexwar_sb3.tuning.objective import objective
 from hexwar_sb3.tuning.space import Point, first_point
-from hexwar_sb3.tuning.study import StudySpec, begin, best_trial
+from hexwar_sb3.tuning.study import StudySpec, begin, completed
 
-Pair = tuple[CampResult, CampResult]  # of the best point, of the paper's: the same games
+PAPER = "paper"  # name of its point
+Pair = tuple[CampResult, CampResult]  # of a point, of the paper's: the same games
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -39,46 +42,53 @@ class Finalist:
     @property
     def number(self) -> str:
         """In what is printed."""
-        return f"{self.name} {self.seed}"
+        return f"{self.name}, seed {self.seed}"
 
 
 def compare(
-    spec: StudySpec, games: int = 2_000, seeds: Sequence[int] = (0,), workers: int = 1
+    spec: StudySpec,
+    games: int = 2_000,
+    seeds: Sequence[int] = (0,),
+    workers: int = 1,
+    trials: Sequence[int] = (),
 ) -> dict[str, Any]:
-    """Let the best point and the paper's play the panel, game by game on the same seeds, fresh ones.
+    """Let points of a study and the paper's play the panel, game by game on the same seeds, fresh ones.
 
     Args:
         spec: the study.
         games: a policy, opponent and colour.
-        seeds: of the trainings; one that the study did not make is made, by its own budget. Trainings of one point
-            differ by more than games tell: the intervals are those of the games.
+        seeds: of the trainings; one that the study did not make is made, by its own budget.
         workers: trainings, and then finalists, side by side.
+        trials: by number, whose points they are; else that of the best.
 
     Returns:
-        Points, rows of both, and the paired differences of margin (points) and win rate (percent), for each seed and of
-        all games.
+        Points, rows of all, and for each trial the paired differences from the paper's point, of margin (points) and
+        win rate (percent): for each seed and of all games, with the interval of the games; and, as trainings of one
+        point differ by more than games tell, with the interval of the trainings.
 
     Raises:
-        ConfigError: no trial was completed, or a number is out of its range.
+        ConfigError: a trial was not completed, or a number is out of its range.
     """
     check_whole("games", games, least=1)
-    best, seeds = best_trial(begin(spec)), tuple(dict.fromkeys(seeds))
-    points = {"best": dict(best.params), "paper": first_point(load_preset(spec.preset), spec.space)}
-    finalists = [_finalist(spec, name, points[name], seed) for seed in seeds for name in points]
+    seeds = tuple(dict.fromkeys(seeds))
+    points = {f"trial {one.number}": dict(one.params) for one in completed(begin(spec), trials)}
+    points[PAPER] = first_point(load_preset(spec.preset), spec.space)
+    finalists = {(name, seed): _finalist(spec, name, points[name], seed) for seed in seeds for name in points}
     missing = {
-        one.policy: one for one in finalists if not one.policy.is_dir()
-    }  # once, if best and paper are one
+        one.policy: one for one in finalists.values() if not one.policy.is_dir()
+    }  # points may be equal
     run_jobs(_train, list(missing.values()), workers, "training")
-    played = run_jobs(partial(_play, games=games), finalists, workers, "finalist")
-    panels = {one.number: panel for one, panel in zip(finalists, played, strict=True)}
-    pairs = {seed: (panels[f"best {seed}"].total, panels[f"paper {seed}"].total) for seed in seeds}
+    played = run_jobs(partial(_play, games=games), list(finalists.values()), workers, "finalist")
+    panels = dict(zip(finalists, played, strict=True))
     return {
         "points": points,
-        "trial": best.number,
-        "rows": [row for panel in panels.values() for row in panel.summary()],
-        "best_minus_paper": {
-            **{f"seed {seed}": _difference([pair]) for seed, pair in pairs.items()},
-            "all": _difference(pairs.values()),
+        "rows": [row for panel in played for row in panel.summary()],
+        "minus_paper": {
+            name: _differences(
+                {seed: (panels[name, seed].total, panels[PAPER, seed].total) for seed in seeds}
+            )
+            for name in points
+            if name != PAPER
         },
     }
 
@@ -112,12 +122,32 @@ def _play(one: Finalist, games: int) -> Panel:
     return play_panel(str(one.policy), common.panel, terms, name=one.number)
 
 
-def _difference(pairs: Iterable[Pair]) -> Mapping[str, Any]:
-    """Best minus paper, with the paired interval."""
-    best, paper = zip(*pairs, strict=True)
+def _differences(pairs: Mapping[int, Pair]) -> dict[str, Any]:
+    """Of each seed, of all games, and of the trainings."""
+    by_seed = {f"seed {seed}": _difference([pair]) for seed, pair in pairs.items()}
+    found = {**by_seed, "all": _difference(pairs.values())}
+    if len(by_seed) > 1:
+        found["trainings"] = {
+            measure: _of_trainings([one[measure]["value"] for one in by_seed.values()])
+            for measure in found["all"]
+        }
+    return found
+
+
+def _of_trainings(differences: Sequence[float]) -> dict[str, Any]:
+    """Mean of a difference for each seed, with Student's interval: of further trainings, not only further games."""
+    mean = float(np.mean(differences))
+    error = float(np.std(differences, ddof=1)) / sqrt(len(differences))
+    half = float(student.ppf((1 + CONFIDENCE) / 2, len(differences) - 1)) * error
+    return {"value": mean, "interval": [mean - half, mean + half]}
+
+
+def _difference(pairs: Iterable[Pair]) -> dict[str, Any]:
+    """A point minus the paper's, with the paired interval."""
+    own, paper = zip(*pairs, strict=True)
 
     def estimate(values: Callable[[CampResult], NDArray[np.float64]]) -> dict[str, Any]:
-        one = paired_interval(np.concatenate([*map(values, best)]), np.concatenate([*map(values, paper)]))
+        one = paired_interval(np.concatenate([*map(values, own)]), np.concatenate([*map(values, paper)]))
         return {"value": one.value, "interval": [one.low, one.high]}
 
     return {

@@ -10,7 +10,7 @@ import sys
 import threading
 import traceback
 import warnings
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import asdict, dataclass, field
 from functools import partial
@@ -179,13 +179,7 @@ def begin(spec: StudySpec, points: Iterable[object] = ()) -> optuna.Study:
     """
     optuna.logging.set_verbosity(optuna.logging.WARNING)
     coming = [checked_point(point, spec.space) for point in points]
-    storage = open_storage(spec.folder, spec.storage)
-    study = optuna.create_study(
-        study_name=study_name(spec.folder, spec.storage),
-        storage=storage,
-        direction="maximize",
-        load_if_exists=True,
-    )
+    study = _opened(spec)
     meaning, known = spec.meaning(), study.user_attrs.get("meaning")
     trials = study.get_trials(deepcopy=False)
     if known is None and (
@@ -205,6 +199,14 @@ def begin(spec: StudySpec, points: Iterable[object] = ()) -> optuna.Study:
     if known is None:
         study.set_user_attr("meaning", meaning)
     return study
+
+
+def _opened(spec: StudySpec) -> optuna.Study:
+    """The study as it lies there, or a new one; a journal gets a line even of a creation that finds it there."""
+    name, storage = study_name(spec.folder, spec.storage), open_storage(spec.folder, spec.storage)
+    if name in optuna.get_all_study_names(storage):
+        return optuna.load_study(study_name=name, storage=storage)
+    return optuna.create_study(study_name=name, storage=storage, direction="maximize", load_if_exists=True)
 
 
 def run_study(spec: StudySpec, n_trials: int, workers: int = 1, say: Say = print) -> optuna.Study:
@@ -249,10 +251,24 @@ def best_trial(study: optuna.Study) -> FrozenTrial:
     Raises:
         ConfigError: there is none.
     """
-    done = study.get_trials(deepcopy=False, states=(TrialState.COMPLETE,))
+    return completed(study)[0]
+
+
+def completed(study: optuna.Study, numbers: Sequence[int] = ()) -> list[FrozenTrial]:
+    """Completed trials by number; where none is said, the one that reached most.
+
+    Raises:
+        ConfigError: there is none, or not of that number.
+    """
+    done = {one.number: one for one in study.get_trials(deepcopy=False, states=(TrialState.COMPLETE,))}
     if not done:
         raise ConfigError(f"{study.study_name}: no trial was completed")
-    return max(done, key=lambda one: (one.value, -one.number))
+    if missing := [number for number in numbers if number not in done]:
+        raise ConfigError(
+            f"{study.study_name}: trial {missing[0]} was not completed; these were: {', '.join(map(str, done))}"
+        )
+    best = max(done.values(), key=lambda one: (one.value, -one.number))
+    return [done[number] for number in dict.fromkeys(numbers)] or [best]
 
 
 def work(folder: Path) -> None:

@@ -21,7 +21,8 @@ if TYPE_CHECKING:
     from hexwar_sb3.tuning.study import StudySpec
 
 INTERRUPTED = 130  # exit code after Ctrl-C
-ACTIONS = "run: go on with the trials; show: table and pictures; compare: the best point and the paper's; export: a preset"
+ACTIONS = """run: go on with the trials; show: table and pictures; compare: points against the paper's, over any seeds;
+export: a preset"""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -60,7 +61,9 @@ class Tune:
     seed: Seed = 0
     games: int = 2_000  # of "compare", a policy, opponent and colour
     seeds: tuple[int, ...] = ()  # of the trainings of "compare"; else the study's own
-    output: Annotated[Path, tyro.conf.arg(aliases=("-o",))] = Path("tuned.json")  # file of "export"
+    trials: tuple[int, ...] = ()  # whose points "compare" takes, or the one of "export"; else the best
+    # file of "export" (else tuned.json) or of "compare" (else compare.json in the study's folder)
+    output: Annotated[Path | None, tyro.conf.arg(aliases=("-o",))] = None
     json: Json = False
 
     def run(self) -> int:
@@ -115,32 +118,42 @@ class Tune:
         return 0
 
     def _compare(self, spec: StudySpec) -> int:
-        """Let the best point and the paper's play fresh games."""
+        """Let points and the paper's play fresh games."""
         from hexwar_sb3.tuning.final import compare
 
         compile_first(scenario=spec.common.scenario)
-        found = compare(spec, self.games, self.seeds or (spec.common.seed,), self.workers)
-        write_json(spec.folder / "compare.json", found)
+        found = compare(spec, self.games, self.seeds or (spec.common.seed,), self.workers, self.trials)
+        write_json(self.output or spec.folder / "compare.json", found)
         if self.json:
             print_json(found)
             return 0
         print(panel_table(found["rows"]))
-        for games, differences in found["best_minus_paper"].items():
-            for what, one in differences.items():
-                low, high = one["interval"]
-                print(f"best minus paper, {what}, {games}: {one['value']:+.2f} [{low:+.2f}, {high:+.2f}]")
+        for name, differences in found["minus_paper"].items():
+            for games, by_measure in differences.items():
+                for what, one in by_measure.items():
+                    low, high = one["interval"]
+                    print(
+                        f"{name} minus paper, {what}, {games}: {one['value']:+.2f} [{low:+.2f}, {high:+.2f}]"
+                    )
         return 0
 
     def _export(self, spec: StudySpec) -> int:
-        """Write the best point as a preset."""
+        """Write a point as a preset."""
         from hexwar_sb3.algorithms.preset_file import load_preset, save_preset
-        from hexwar_sb3.tuning.study import begin, best_trial
+        from hexwar_sb3.tuning.study import begin, completed
 
-        best = best_trial(begin(spec))
-        about = {"study": spec.folder.name, "trial": best.number, "value": best.value, "point": best.params}
-        save_preset(self.output, load_preset(spec.preset).changed(best.params), about)
-        print_json({"preset": str(self.output), **about}) if self.json else print(
-            f"trial {best.number} ({best.value:+.3f}): hexwar train --preset {self.output}"
+        if len(self.trials) > 1:
+            raise ConfigError(f"a preset has the point of one trial, not of {len(self.trials)}")
+        (trial,), path = completed(begin(spec), self.trials), self.output or Path("tuned.json")
+        about = {
+            "study": spec.folder.name,
+            "trial": trial.number,
+            "value": trial.value,
+            "point": trial.params,
+        }
+        save_preset(path, load_preset(spec.preset).changed(trial.params), about)
+        print_json({"preset": str(path), **about}) if self.json else print(
+            f"trial {trial.number} ({trial.value:+.3f}): hexwar train --preset {path}"
         )
         return 0
 

@@ -5,32 +5,106 @@ from __future__ import annotations
 import json
 import shutil
 from pathlib import Path
+from typing import Any
 
 import pytest
 
+from hexwar_sb3.algorithms.preset_file import load_preset
 from hexwar_sb3.cli import main
 from hexwar_sb3.play.frozen import FrozenPolicy
 from hexwar_sb3.tuning.final import compare
+from hexwar_sb3.tuning.store import JOURNAL
 from hexwar_sb3.tuning.study import StudySpec, begin, best_trial, known_spec
 
 
 def test_best_and_paper_meet_the_panel_on_the_same_games(finished: StudySpec) -> None:
     found = compare(finished, games=3, seeds=(0, 1), workers=2)
+    best = f"trial {best_trial(begin(finished)).number}"
 
+    assert list(found["points"]) == [best, "paper"]
     assert found["points"]["paper"] == {"alpha": 0.01, "beta": 0.05, "decision_ticks": 75}
-    assert found["trial"] == best_trial(begin(finished)).number
     assert [(row["player"], row["camp"], row["games"]) for row in found["rows"]] == [
-        (player, camp, 3) for player in ("best 0", "paper 0", "best 1", "paper 1") for camp in ("red", "blue")
+        (f"{name}, seed {seed}", camp, 3)
+        for seed in (0, 1)
+        for name in (best, "paper")
+        for camp in ("red", "blue")
     ]
-    margin = {row["player"]: 0.0 for row in found["rows"]}
-    for row in found["rows"]:
-        margin[row["player"]] += row["mean_margin"] / 2
-    by_seed = [found["best_minus_paper"][f"seed {seed}"]["margin"]["value"] for seed in (0, 1)]
-    assert by_seed == pytest.approx([margin[f"best {seed}"] - margin[f"paper {seed}"] for seed in (0, 1)])
-    assert found["best_minus_paper"]["all"]["margin"]["value"] == pytest.approx(sum(by_seed) / 2)
+    margin = margins(found)
+    differences = found["minus_paper"][best]
+    by_seed = [differences[f"seed {seed}"]["margin"]["value"] for seed in (0, 1)]
+    assert by_seed == pytest.approx(
+        [margin[f"{best}, seed {seed}"] - margin[f"paper, seed {seed}"] for seed in (0, 1)]
+    )
+    assert differences["all"]["margin"]["value"] == pytest.approx(sum(by_seed) / 2)
+    low, high = differences["trainings"]["margin"]["interval"]
+    half = 12.7062 * abs(by_seed[0] - by_seed[1]) / 2  # Student's quantile of one degree of freedom
+    assert (low, high) == pytest.approx((sum(by_seed) / 2 - half, sum(by_seed) / 2 + half), rel=1e-4)
     trained = sorted(path.name for path in (finished.folder / "finalists").iterdir())
     assert len(trained) == len({str(point) for point in found["points"].values()})  # seed 0 is the study's
     assert all(name.endswith("-seed1") for name in trained)
+
+
+def margins(found: dict[str, Any]) -> dict[str, float]:
+    """Mean margin of each finalist over both colours."""
+    mean: dict[str, float] = {}
+    for row in found["rows"]:
+        mean[row["player"]] = mean.get(row["player"], 0.0) + row["mean_margin"] / 2
+    return mean
+
+
+def test_several_trials_meet_the_papers_point(finished: StudySpec) -> None:
+    found = compare(finished, games=2, trials=(2, 1, 2))
+    margin = margins(found)
+
+    assert list(found["points"]) == ["trial 2", "trial 1", "paper"]
+    assert "trainings" not in found["minus_paper"]["trial 2"]  # one
+    assert {
+        name: one["all"]["margin"]["value"] for name, one in found["minus_paper"].items()
+    } == pytest.approx(
+        {name: margin[f"{name}, seed 0"] - margin["paper, seed 0"] for name in ("trial 2", "trial 1")}
+    )
+
+
+@pytest.mark.parametrize("action", ["compare", "export"])
+def test_a_trial_that_was_not_completed_has_no_point_to_take(
+    finished: StudySpec, action: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "out.json"
+    with pytest.raises(SystemExit) as stopped:
+        main(("tune", action, str(finished.folder), "--trials", "7", "-o", str(out)))
+
+    assert stopped.value.code == 2
+    assert "trial 7 was not completed; these were: 0, 1, 2" in capsys.readouterr().err
+    assert not out.exists()
+
+
+def test_any_completed_trial_becomes_a_preset_but_not_two(
+    finished: StudySpec, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for trial in begin(finished).get_trials():
+        out = tmp_path / f"{trial.number}.json"
+        with pytest.raises(SystemExit) as stopped:
+            main(("tune", "export", str(finished.folder), "--trials", str(trial.number), "-o", str(out)))
+        assert stopped.value.code == 0
+        assert load_preset(str(out)) == load_preset("default").changed(trial.params)
+    with pytest.raises(SystemExit) as stopped:
+        main(("tune", "export", str(finished.folder), "--trials", "0", "1"))
+    assert stopped.value.code == 2
+    assert "the point of one trial, not of 2" in capsys.readouterr().err
+
+
+def test_who_looks_at_a_study_leaves_its_journal_as_it_is(
+    finished: StudySpec, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    journal = finished.folder / JOURNAL
+    before = journal.read_bytes()
+    for action in (("show",), ("export", "-o", str(tmp_path / "mine.json"))):
+        with pytest.raises(SystemExit) as stopped:
+            main(("tune", action[0], str(finished.folder), *action[1:]))
+        assert stopped.value.code == 0
+
+    assert journal.read_bytes() == before
+    assert "3 complete" in capsys.readouterr().out
 
 
 def test_where_the_papers_point_is_the_best_it_is_trained_once(finished: StudySpec, tmp_path: Path) -> None:
@@ -42,8 +116,9 @@ def test_where_the_papers_point_is_the_best_it_is_trained_once(finished: StudySp
         study.tell(study.ask(fixed_distributions=finished.space), 9.0)
     found = compare(known_spec(folder), games=2, seeds=(5, 5))
 
-    assert found["points"]["best"] == found["points"]["paper"]
-    assert found["best_minus_paper"]["all"]["margin"] == {"value": 0.0, "interval": [0.0, 0.0]}
+    (own,) = found["minus_paper"]
+    assert found["points"][own] == found["points"]["paper"]
+    assert found["minus_paper"][own]["all"]["margin"] == {"value": 0.0, "interval": [0.0, 0.0]}
     assert len(list((folder / "finalists").glob("*-seed5"))) == 1
 
 
