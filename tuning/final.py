@@ -40,8 +40,8 @@ class Finalist:
     policy: Path  # its folder
 
     @property
-    def number(self) -> str:
-        """In what is printed."""
+    def label(self) -> str:
+        """Its name in tables."""
         return f"{self.name}, seed {self.seed}"
 
 
@@ -74,9 +74,8 @@ def compare(
     points = {f"trial {one.number}": dict(one.params) for one in completed(begin(spec), trials)}
     points[PAPER] = first_point(load_preset(spec.preset), spec.space)
     finalists = {(name, seed): _finalist(spec, name, points[name], seed) for seed in seeds for name in points}
-    missing = {
-        one.policy: one for one in finalists.values() if not one.policy.is_dir()
-    }  # points may be equal
+    # By folder, since points may be equal.
+    missing = {one.policy: one for one in finalists.values() if not one.policy.is_dir()}
     run_jobs(_train, list(missing.values()), workers, "training")
     played = run_jobs(partial(_play, games=games), list(finalists.values()), workers, "finalist")
     panels = dict(zip(finalists, played, strict=True))
@@ -119,7 +118,7 @@ def _play(one: Finalist, games: int) -> Panel:
     common = replace(one.spec.common, seed=one.seed)
     preset = load_preset(one.spec.preset).changed(one.point)
     terms = replace(common.terms(preset, games), purpose=Purpose.REPORT)
-    return play_panel(str(one.policy), common.panel, terms, name=one.number)
+    return play_panel(str(one.policy), common.panel, terms, name=one.label)
 
 
 def _differences(pairs: Mapping[int, Pair]) -> dict[str, Any]:

@@ -72,7 +72,10 @@ def database_errors() -> Iterator[None]:
 
 
 class _Lock(JournalFileSymlinkLock):
-    """A lock that ends with its process, also a killed one: Optuna's own would be waited for, half a minute."""
+    """A lock that ends with its process, also a killed one: Optuna's own would be waited for, half a minute.
+
+    It has nothing of its base but the type that Optuna asks for, whose root is not public.
+    """
 
     def __init__(self, path: Path) -> None:
         super().__init__(str(path))

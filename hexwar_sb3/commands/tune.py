@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from hexwar_sb3.tuning.study import StudySpec
 
 INTERRUPTED = 130  # exit code after Ctrl-C
+NEEDED = ("optuna", "filelock", "scipy")  # of the extra "tune"
 ACTIONS = """run: go on with the trials; show: table and pictures; compare: points against the paper's, over any seeds;
 export: a preset"""
 
@@ -68,8 +69,8 @@ class Tune:
 
     def run(self) -> int:
         """Do it."""
-        if find_spec("optuna") is None:
-            raise ConfigError('tuning needs Optuna: pip install "hexwar-sb3[tune]"')
+        if missing := [name for name in NEEDED if find_spec(name) is None]:
+            raise ConfigError(f'tuning needs {", ".join(missing)}: pip install "hexwar-sb3[tune]"')
         from hexwar_sb3.tuning.store import database_errors
         from hexwar_sb3.tuning.study import known_spec
 
@@ -144,7 +145,8 @@ class Tune:
 
         if len(self.trials) > 1:
             raise ConfigError(f"a preset has the point of one trial, not of {len(self.trials)}")
-        (trial,), path = completed(begin(spec), self.trials), self.output or Path("tuned.json")
+        (trial,) = completed(begin(spec), self.trials)
+        path = self.output or Path("tuned.json")
         about = {
             "study": spec.folder.name,
             "trial": trial.number,

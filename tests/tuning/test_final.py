@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import shutil
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -91,6 +92,20 @@ def test_any_completed_trial_becomes_a_preset_but_not_two(
         main(("tune", "export", str(finished.folder), "--trials", "0", "1"))
     assert stopped.value.code == 2
     assert "the point of one trial, not of 2" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("package", ["optuna", "filelock", "scipy"])
+def test_without_the_extra_one_line_says_what_to_install(
+    package: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(
+        "hexwar_sb3.commands.tune.find_spec", lambda name: None if name == package else find_spec(name)
+    )
+    with pytest.raises(SystemExit) as stopped:
+        main(("tune", "show"))
+
+    assert stopped.value.code == 2
+    assert f'tuning needs {package}: pip install "hexwar-sb3[tune]"' in capsys.readouterr().err
 
 
 def test_who_looks_at_a_study_leaves_its_journal_as_it_is(
