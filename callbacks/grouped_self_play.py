@@ -13,11 +13,11 @@ from hexwar_sb3.algorithms.qmix import QMIX
 from hexwar_sb3.envs.settings import TaskSettings
 from hexwar_sb3.errors import ConfigError
 from hexwar_sb3.evaluation.panel import Terms
-from hexwar_sb3.files import read_json
 from hexwar_sb3.league.league import League
 from hexwar_sb3.league.member import CAMPS, as_member
 from hexwar_sb3.league.settings import LeagueSettings
 from hexwar_sb3.play.frozen import FrozenPolicy
+from hexwar_sb3.reading import read_json
 
 
 class GroupedSelfPlayCallback(BaseCallback):

@@ -7,10 +7,14 @@ from pathlib import Path
 import pytest
 
 from hexwar_sb3.errors import FileFormatError
-from hexwar_sb3.files import MAX_JSON_BYTES, read_json, write_json
+from hexwar_sb3.files import write_json
+from hexwar_sb3.reading import MAX_JSON_BYTES, read_json
 
 BROKEN = {
-    "broken off": (b'{"a": ', "one.json: text: found Expecting value.*; expected a page as JSON"),
+    "broken off": (
+        b'{"a": ',
+        "one.json: text, line 1, column 7: found Expecting value.*; expected a page as JSON",
+    ),
     "nested without end": (b"[" * 100_000, "one.json: text: found maximum recursion depth"),
     "no UTF-8": (b'{"a": "\xff"}', "one.json: text: found .*can't decode"),
     "a list": (b"[1]", "one.json: file: found list; expected a page"),

@@ -10,7 +10,8 @@ from typing import Any
 
 from hexwar_sb3.algorithms.presets import LEARNER, PARTS, PRESETS, WIDTHS, Preset
 from hexwar_sb3.errors import FileFormatError, UnknownNameError
-from hexwar_sb3.files import read_json, write_json
+from hexwar_sb3.files import write_json
+from hexwar_sb3.reading import read_json
 
 FORMAT = "hexwar preset 1"
 LOWERS = ("learned", "heuristic")  # a file names no other file

@@ -8,7 +8,8 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-from hexwar_sb3.files import read_json, replacing
+from hexwar_sb3.files import replacing
+from hexwar_sb3.reading import read_json
 
 
 @dataclass(frozen=True)

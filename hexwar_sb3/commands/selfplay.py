@@ -87,7 +87,7 @@ def policy_folder(path: Path) -> Path:
 
 def in_words(league: League, k: int) -> str:
     """One line on an iteration: the best of each colour."""
-    from hexwar_sb3.files import read_json
+    from hexwar_sb3.reading import read_json
 
     found = read_json(league.table(k))["standings"]
     best = (

@@ -19,9 +19,10 @@ from hexwar_sb3.evaluation.intervals import Estimate, wilson
 from hexwar_sb3.evaluation.jobs import run_jobs
 from hexwar_sb3.evaluation.panel import Terms, trained_terms
 from hexwar_sb3.evaluation.provenance import provenance
-from hexwar_sb3.files import read_json, replacing
+from hexwar_sb3.files import replacing
 from hexwar_sb3.play.frozen import FrozenPolicy
 from hexwar_sb3.play.player import BotPlayer, make_player
+from hexwar_sb3.reading import read_json
 
 FORMAT = "hexwar match 1"
 LETTERS = {1.0: "W", 0.5: "D", 0.0: "L"}  # red's result of a game

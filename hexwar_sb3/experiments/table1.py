@@ -18,7 +18,6 @@ from hexwar_sb3.evaluation.tournament import Meeting, Table, play_meetings
 from hexwar_sb3.experiments.carry_out import carry_out
 from hexwar_sb3.experiments.fig7 import pair
 from hexwar_sb3.experiments.runs import Budget, Places, Run
-from hexwar_sb3.files import read_json
 from hexwar_sb3.league.cost import Cost, added, measured, read_cost
 from hexwar_sb3.league.distil import Lessons
 from hexwar_sb3.league.heir import DISTILLED, LEARNED, TAUGHT, HeirSpec, Practice, make_heir
@@ -27,6 +26,7 @@ from hexwar_sb3.league.member import CAMPS, making
 from hexwar_sb3.league.picture import draw_league
 from hexwar_sb3.league.school import School
 from hexwar_sb3.league.settings import LeagueSettings
+from hexwar_sb3.reading import read_json
 
 NAME = "table1"
 ROWS = ("HRL0", "HRL1", "HRL2", "CAI")

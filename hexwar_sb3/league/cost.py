@@ -11,7 +11,8 @@ from pathlib import Path
 from time import monotonic, process_time
 
 from hexwar_sb3.errors import FileFormatError
-from hexwar_sb3.files import read_json, write_json
+from hexwar_sb3.files import write_json
+from hexwar_sb3.reading import read_json
 
 FILE = "cost.json"
 Cost = dict[str, dict[str, float]]  # by part: wall_s, core_s, peak_mb (of the largest process)

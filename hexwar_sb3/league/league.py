@@ -22,7 +22,7 @@ from hexwar_sb3.evaluation.jobs import run_jobs
 from hexwar_sb3.evaluation.panel import BOTS, Terms, trained_terms
 from hexwar_sb3.evaluation.provenance import provenance
 from hexwar_sb3.evaluation.seeds import Purpose
-from hexwar_sb3.files import read_json, write_json
+from hexwar_sb3.files import write_json
 from hexwar_sb3.league.cost import measured
 from hexwar_sb3.league.group import GroupSpec, train_group
 from hexwar_sb3.league.judge import Rivals
@@ -33,6 +33,7 @@ from hexwar_sb3.league.settings import EXPLORING_SHARE, LEARNER, LeagueSettings
 from hexwar_sb3.league.work import Opponents, env_settings, env_steps, job_seed
 from hexwar_sb3.play.frozen import FrozenPolicy
 from hexwar_sb3.policies.shapes import TaskShapes
+from hexwar_sb3.reading import read_json
 
 FORMAT = "hexwar league 1"
 FIRST = ".first"  # file of the plan of the very first best; no model is called like that

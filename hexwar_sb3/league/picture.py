@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING
 from matplotlib.ticker import MaxNLocator
 
 from hexwar_sb3.evaluation.intervals import Estimate
-from hexwar_sb3.files import read_json, replacing
+from hexwar_sb3.files import replacing
 from hexwar_sb3.league.league import League
 from hexwar_sb3.league.member import CAMPS
+from hexwar_sb3.reading import read_json
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -21,13 +21,14 @@ from hexwar_sb3.envs.registration import make_vec_env
 from hexwar_sb3.errors import FileFormatError
 from hexwar_sb3.evaluation.panel import Terms
 from hexwar_sb3.evaluation.seeds import Purpose, seed_for
-from hexwar_sb3.files import read_json, write_json
+from hexwar_sb3.files import write_json
 from hexwar_sb3.league.distil import Lessons
 from hexwar_sb3.league.member import CAMPS, Member, as_member, making
 from hexwar_sb3.league.plans import Plan, Planner, Planning
 from hexwar_sb3.league.work import Opponents, Training, begin, env_steps, job_seed, one_thread
 from hexwar_sb3.play.frozen import FrozenPolicy
 from hexwar_sb3.play.standing_orders import LedPolicy, StandingOrder
+from hexwar_sb3.reading import read_json
 
 
 @dataclass(frozen=True, kw_only=True)
