@@ -7,6 +7,7 @@ name, what it holds and a checksum; one that does not fit is as good as none.
 
 from __future__ import annotations
 
+import errno
 import logging
 import mmap
 import os
@@ -17,7 +18,7 @@ import time
 import zlib
 from collections.abc import Collection, Iterator
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
 from multiprocessing import parent_process
 from pathlib import Path
@@ -29,6 +30,8 @@ from hexwar_sb3.reading import opened
 
 KEPT_DAYS = 30  # after its last use
 HEAD_BYTES = 4096  # of every file, so that what follows can be mapped
+_MOST_BYTES = 1 << 28  # of one file that is read as a whole
+_ADVICE = "set HEXWAR_CACHE to a folder of your own"
 _DAY = 24 * 60 * 60.0  # seconds
 _OLD = (  # what this version and earlier ones file
     *(r"kernels-[0-9a-f]{16}/[^/]+\.(kernel|list)", r"kernels-[0-9a-f]{16}/[^/]+/[^/]+\.nb[ci][^/]*"),
@@ -53,6 +56,7 @@ class Cache:
     """
 
     named: Path | None
+    lost: set[str] = field(default_factory=set, compare=False)  # names of what could not be kept
 
     @cached_property
     def trouble(self) -> str:
@@ -64,11 +68,8 @@ class Cache:
             tempfile.TemporaryFile(dir=self.named).close()
             return _distrust(self.named)
         except (OSError, ValueError) as error:  # ValueError: a path that no system knows
-            return (
-                "it is not a folder"
-                if isinstance(error, FileExistsError | NotADirectoryError)
-                else _short(error)
-            )
+            is_file = isinstance(error, FileExistsError | NotADirectoryError)
+            return "it is not a folder" if is_file else _short(error)
 
     @cached_property
     def place(self) -> Path | None:
@@ -77,14 +78,10 @@ class Cache:
             return self.named
         instead = _temporary()
         if parent_process() is None:
-            where = (
-                f"in {instead} instead"
-                if instead
-                else "nowhere: every start compiles anew, which takes minutes"
-            )
+            where = f"in {instead} instead" if instead else "nowhere, so every start compiles for minutes"
             named = f" {self.named}" if self.named else ""
-            says = "cannot use the cache folder%s (%s); kernels are kept %s; set HEXWAR_CACHE to a folder of your own"
-            _log.warning(says, named, self.trouble, where)
+            says = "cannot use the cache folder%s: %s; kernels are kept %s; %s"
+            _log.warning(says, named, self.trouble, where, _ADVICE)
         return instead
 
     def folders(self, part: str) -> Iterator[Path]:
@@ -92,14 +89,14 @@ class Cache:
         for place in (self.named, _temporary() if self.trouble else None):
             if place is not None:
                 with suppress(OSError):
-                    if not _distrust(place) and not _distrust(place / part, shared=False):
+                    if not _distrust(place) and not _distrust(place / part):
                         yield place / part
 
     def read(self, part: str, name: str) -> bytes | None:
         """What is kept under a name; None if nothing is, or it is damaged."""
         for folder in self.folders(part):
             with suppress(FileFormatError, OSError), _entry(folder / name) as (head, file):
-                data = file.read()
+                data = file.read(_MOST_BYTES)
                 if head == _head(name, "", data):
                     return data
         return None
@@ -123,27 +120,38 @@ class Cache:
             folder = self.place / part
             self.place.mkdir(mode=0o700, parents=True, exist_ok=True)
             folder.mkdir(mode=0o755, exist_ok=True)
+            if _distrust(folder):
+                raise PermissionError(errno.EPERM, _distrust(folder))
             with replacing(folder / name) as temporary, temporary.open("wb") as file:
                 file.write(_head(name, what, data))
                 file.write(data)
         except OSError as error:  # a full disk, or the folder went away
-            _say_once(f"cannot write to the cache folder {self.place}: {_short(error)}")
+            if not self.lost:
+                says = "cannot write to the cache folder %s: %s; what is missing is made again at every start; %s"
+                _log.warning(says, self.place, _short(error), _ADVICE)
+            self.lost.add(name)
             return False
         return True
 
     def names(self, part: str) -> list[str]:
         """Names of all that is kept in one part."""
-        return sorted({path.name for folder in self.folders(part) for path in folder.iterdir()})
+        return sorted({path.name for path in self._files(part)})
 
     def use(self, part: str, names: Collection[str]) -> bool:
         """Whether all these are there; then they count as used now."""
         left = set(names)
-        for folder in self.folders(part):
-            for path in folder.iterdir():
-                if path.name in left:
-                    _touch(path)
-                    left.discard(path.name)
+        for path in self._files(part):
+            if path.name in left:
+                _touch(path)
+                left.discard(path.name)
         return not left
+
+    def _files(self, part: str) -> list[Path]:
+        found: list[Path] = []
+        for folder in self.folders(part):
+            with suppress(OSError):
+                found += folder.iterdir()
+        return found
 
     def prune(self) -> None:
         """Remove what nobody used for KEPT_DAYS, once a day at most; nothing but files that this program makes."""
@@ -188,21 +196,14 @@ def cache() -> Cache:
 _cache = lru_cache(Cache)
 
 
-def _distrust(folder: Path, *, shared: bool = True) -> str:
-    """Why what lies in a folder may be a stranger's; empty: it is ours or the system's.
-
-    Args:
-        folder: it must exist.
-        shared: it may be one like /tmp, where everybody writes but nobody touches what is another's.
-    """
+def _distrust(folder: Path) -> str:
+    """Why what lies in a folder may be a stranger's; empty: it is ours or the system's."""
     if os.name != "posix":
         return ""
     found = folder.stat()
     if found.st_uid not in (0, os.geteuid()):
         return "it belongs to another user, who could change the code in it"
-    if found.st_mode & stat.S_IWOTH and not (shared and found.st_mode & stat.S_ISVTX):
-        return "everybody may write there, and could change the code in it"
-    return ""
+    return "everybody may write there, and change the code in it" if found.st_mode & stat.S_IWOTH else ""
 
 
 @lru_cache
@@ -264,8 +265,3 @@ def _ours(place: Path) -> Iterator[Path]:
 
 def _short(error: Exception) -> str:
     return getattr(error, "strerror", None) or str(error)
-
-
-@lru_cache
-def _say_once(text: str) -> None:
-    _log.warning("%s", text)

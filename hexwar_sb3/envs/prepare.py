@@ -67,13 +67,14 @@ def _compile() -> bool:
 
 
 def start(code: str) -> subprocess.Popen[bytes]:
-    """Run code in a process of its own, with the same cache."""
-    env = {**os.environ, "HEXWAR_CACHE": str(cache().place)}
-    return subprocess.Popen([sys.executable, "-c", code], env=env)  # noqa: S603  our own code
+    """Run code in a process of its own, with the same package and the same cache."""
+    path = os.pathsep.join(str(Path(entry).absolute()) for entry in sys.path)  # "" is where we are
+    env = {**os.environ, "PYTHONPATH": path, "HEXWAR_CACHE": str(cache().place)}
+    return subprocess.Popen([sys.executable, "-P", "-c", code], env=env)  # noqa: S603  our own code
 
 
 def compile_part(part: str) -> None:
-    """Compile one of the parts by using it."""
+    """Compile one of the parts by using it; the process ends badly if it could not be kept."""
     from hexwar_sb3.envs.registration import ROUTE_ENV, make_vec_env
     from hexwar_sb3.play.match import play_games
 
@@ -82,3 +83,5 @@ def compile_part(part: str) -> None:
     else:
         make_vec_env(n_envs=1, privileged_state=True).reset()
         make_vec_env(ROUTE_ENV, n_envs=1).reset()
+    if cache().lost:
+        sys.exit(1)
