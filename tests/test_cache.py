@@ -7,8 +7,10 @@ import logging
 import os
 import subprocess
 import sys
+import tempfile
 import time
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -25,7 +27,7 @@ def own_temporary(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A folder of temporary files of the test's own."""
     folder = tmp_path / "tmp"
     folder.mkdir()
-    monkeypatch.setattr(cache_module.tempfile, "tempdir", str(folder))
+    monkeypatch.setattr(tempfile, "tempdir", str(folder))
     cache_module._temporary.cache_clear()
     return folder
 
@@ -267,6 +269,19 @@ def test_by_default_the_line_goes_to_the_terminal_without_a_frame(tmp_path: Path
 # --- files that do not fit ----------------------------------------------------------------------------
 
 DATA = bytes(range(256)) * 40
+AROUND_THE_HEAD = (HEAD_BYTES - 1, HEAD_BYTES, HEAD_BYTES + 1)
+
+
+def cut(n: int, old: bytes) -> bytes:
+    return old[:n]
+
+
+def flip(n: int, old: bytes) -> bytes:
+    changed = bytearray(old)
+    changed[n] ^= 4
+    return bytes(changed)
+
+
 DAMAGE: dict[str, Callable[[bytes], bytes]] = {
     "nothing": lambda _: b"",
     "garbage": lambda _: os.urandom(20_000),
@@ -277,14 +292,8 @@ DAMAGE: dict[str, Callable[[bytes], bytes]] = {
         old[:HEAD_BYTES] + old[-8:] + old[HEAD_BYTES + 8 : -8] + old[HEAD_BYTES : HEAD_BYTES + 8]
     ),
     "the data alone": lambda old: old[HEAD_BYTES:],
-    **{
-        f"cut at {n}": lambda old, n=n: old[:n]
-        for n in (1, 100, HEAD_BYTES - 1, HEAD_BYTES, HEAD_BYTES + 1, -1)
-    },  # type: ignore[misc]
-    **{
-        f"a flip at {n}": lambda old, n=n: old[:n] + bytes([old[n] ^ 4]) + old[n + 1 :]  # type: ignore[misc]
-        for n in (0, 20, 60, 200, HEAD_BYTES - 1, HEAD_BYTES, HEAD_BYTES + 5000, -1)
-    },
+    **{f"cut at {n}": partial(cut, n) for n in (1, 100, *AROUND_THE_HEAD, -1)},
+    **{f"a flip at {n}": partial(flip, n) for n in (0, 20, 60, 200, *AROUND_THE_HEAD, HEAD_BYTES + 5000, -1)},
 }
 
 
@@ -371,12 +380,13 @@ def test_what_was_used_within_a_month_stays(tmp_path: Path) -> None:
 
 def test_reading_is_use(tmp_path: Path) -> None:
     one = Cache(tmp_path)
-    for name, use in {
+    uses: dict[str, Callable[[str], object]] = {
         "0123456789abcdef-read.table": lambda name: one.read(PART, name),
         "0123456789abcdef-map.table": lambda name: one.map(PART, name, "", 4),
         "0123456789abcdef-use.table": lambda name: one.use(PART, [name]),
         "0123456789abcdef-none.table": lambda _: None,
-    }.items():
+    }
+    for name, use in uses.items():
         assert one.keep(PART, name, b"data")
         os.utime(tmp_path / PART / name, (0, 0))
         use(name)

@@ -92,7 +92,7 @@ def test_tables_from_a_file_have_the_type_of_built_ones(rough_board: Any) -> Non
     built, mapped = (tables(rough_board(0, 50, 50)) for _ in range(2))
     small = tables(rough_board(0))
     for three in zip(built, mapped, small, strict=True):
-        assert len({str(numba.typeof(table)) for table in three}) == 1
+        assert len({str(numba.typeof(table)) for table in three}) == 1  # type: ignore[no-untyped-call]
 
 
 @pytest.mark.usefixtures("own_cache")
