@@ -5,7 +5,7 @@ from __future__ import annotations
 import copy
 import pickle
 from collections.abc import Callable
-from typing import Any
+from typing import Any, cast
 
 import cloudpickle  # type: ignore[import-untyped]
 import gymnasium
@@ -14,7 +14,6 @@ import numpy as np
 import pytest
 from stable_baselines3.common.vec_env import SubprocVecEnv
 
-from hexwar_sb3 import kernels
 from hexwar_sb3.bots.atlas import make_atlas
 from hexwar_sb3.engine.batch import Engine
 from hexwar_sb3.engine.game import Game
@@ -25,8 +24,9 @@ from hexwar_sb3.envs.parallel import parallel_env
 from hexwar_sb3.envs.registration import make_vec_env
 from hexwar_sb3.envs.route_env import RouteEnv
 from hexwar_sb3.envs.task_env import TaskEnv
+from hexwar_sb3.kernels import COMPILED, READ, counts
 from hexwar_sb3.play.lower_policy import fastest_way_network
-from hexwar_sb3.play.player import make_player
+from hexwar_sb3.play.player import Player, make_player
 
 WAYS: dict[str, Callable[[Any], Any]] = {
     "copy.deepcopy": copy.deepcopy,
@@ -157,11 +157,35 @@ def test_a_copy_goes_on_as_the_original_and_compiles_nothing(name: str) -> None:
     copies = {way: copied(one) for way, copied in WAYS.items()}
     seen = bits(play(one))
     seen_later = bits(play(one))
-    before = kernels.counts[kernels.COMPILED] + kernels.counts[kernels.READ]
+    before = counts[COMPILED] + counts[READ]
     for way, other in copies.items():
         assert bits(play(other)) == seen, way
         assert bits(play(other)) == seen_later, way
-    assert kernels.counts[kernels.COMPILED] + kernels.counts[kernels.READ] == before
+    assert counts[COMPILED] + counts[READ] == before
+
+
+def test_arrays_that_may_not_be_written_compile_nothing() -> None:
+    """Actions and observations of other libraries often are read-only."""
+
+    def in_form(writeable: bool) -> list[Any]:
+        env, policy, lower = TaskEnv(), cast("Player", make_player("HRL0")), fastest_way_network()
+        obs, _ = env.reset(seed=2)
+        batch = {key: value[None] for key, value in obs.items()}
+        for value in batch.values():
+            value.flags.writeable = writeable
+        actions = policy.act(batch)[0]
+        actions.flags.writeable = writeable
+        states, masks = (
+            np.ones((3, lower.weights["layer1.weight"].shape[1]), np.float32),
+            np.ones((3, 7), np.int8),
+        )
+        states.flags.writeable = masks.flags.writeable = writeable
+        return [actions, lower(states, masks), env.step(actions)[:2]]
+
+    seen = bits(in_form(writeable=True))
+    before = counts.copy()
+    assert bits(in_form(writeable=False)) == seen
+    assert counts == before
 
 
 def in_worker(env: gymnasium.Env[Any, Any]) -> gymnasium.Env[Any, Any]:
@@ -169,7 +193,7 @@ def in_worker(env: gymnasium.Env[Any, Any]) -> gymnasium.Env[Any, Any]:
 
     class Counting(gymnasium.Wrapper[Any, Any, Any, Any]):
         def compiled(self) -> int:
-            return kernels.counts[kernels.COMPILED]
+            return counts[COMPILED]
 
     return Counting(env)
 
@@ -194,7 +218,7 @@ def test_an_env_that_was_sent_to_a_worker_compiles_nothing(start: str) -> None:
 def test_a_game_that_was_sent_to_a_worker_of_joblib_compiles_nothing() -> None:
     game = Game(seed=4)
     game.advance(10)
-    played = joblib.delayed(lambda one: (one.advance(300), str(one), kernels.counts[kernels.COMPILED]))
+    played = joblib.delayed(lambda one: (one.advance(300), str(one), counts[COMPILED]))
     found = joblib.Parallel(n_jobs=2, backend="loky")(played(game) for _ in range(2))
     here = game.advance(300), str(game), 0
     assert found == [here, here]

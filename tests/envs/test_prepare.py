@@ -5,6 +5,7 @@ from __future__ import annotations
 import subprocess
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
@@ -105,7 +106,7 @@ def test_where_nothing_can_be_kept_no_process_compiles_in_vain(
 
 
 def test_a_part_that_could_not_be_kept_ends_badly(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(Cache, "lost", {"a kernel"})
+    monkeypatch.setattr(prepare, "cache", lambda: SimpleNamespace(lost={"a kernel"}))
     with pytest.raises(SystemExit) as ended:
         prepare.compile_part("look")
     assert ended.value.code == 1
