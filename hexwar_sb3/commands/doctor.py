@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import platform
 import shutil
+from contextlib import suppress
 from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
@@ -54,33 +55,47 @@ class Doctor:
     def _machine(self) -> dict[str, str]:
         import torch
 
-        from hexwar_sb3.kernels import cache_root
+        from hexwar_sb3.cache import cache
 
-        root = cache_root()
-        root.mkdir(parents=True, exist_ok=True)
+        root = cache()
         device = torch.cuda.get_device_name(0) if torch.cuda.is_available() else "none, the CPU trains"
-        return {
-            "cores": str(os.cpu_count()),
-            "gpu": device,
-            "cache": f"{root} ({'writable' if os.access(root, os.W_OK) else 'NOT writable'})",
-            "cache size": f"{_size(root) / 1e6:.0f} MB (compiled kernels and maps; may be deleted, is made again)",
-            "free disk": f"{shutil.disk_usage(root).free / 1e9:.1f} GB",
-        }
+        state = (
+            f"NOT usable: {root.trouble}; instead {root.place or 'nothing is kept'}"
+            if root.trouble
+            else "writable"
+        )
+        found = {"cores": str(os.cpu_count()), "gpu": device, "cache": f"{root.named} ({state})"}
+        if root.place is not None:
+            size = f"{_size(root.place) / 1e6:.0f} MB"
+            found["cache size"] = f"{size} (compiled kernels and maps; may be deleted, is made again)"
+            found["free disk"] = f"{shutil.disk_usage(root.place).free / 1e9:.1f} GB"
+        return found
 
     def _game(self) -> dict[str, str]:
         from hexwar_sb3.evaluation.matches import play_match
+        from hexwar_sb3.kernels import COMPILED, counts
 
         compile_first()
-        start = perf_counter()
+        compiled, start = counts[COMPILED], perf_counter()
         play_match("MA1", "MA2", games=1)
-        first, start = perf_counter() - start, perf_counter()
+        first, compiled = perf_counter() - start, counts[COMPILED] - compiled
+        how = (
+            f"compiled {compiled} kernels, which were not in the cache"
+            if compiled
+            else "reads the compiled kernels"
+        )
+        start = perf_counter()
         play_match("MA1", "MA2", games=20)
         return {
-            "first game": f"{first:.1f} s (reads the compiled kernels)",
+            "first game": f"{first:.1f} s ({how})",
             "games": f"{20 / (perf_counter() - start):.0f} a second, MA1 against MA2",
         }
 
 
 def _size(folder: Path) -> int:
-    """Bytes of all files below a folder."""
-    return sum(path.stat().st_size for path in folder.rglob("*") if path.is_file())
+    """Bytes of all files below a folder, as far as they can be seen."""
+    size = 0
+    for path in folder.rglob("*"):
+        with suppress(OSError):  # somebody removes it meanwhile
+            size += path.lstat().st_size if path.is_file() else 0
+    return size

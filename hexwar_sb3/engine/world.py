@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
 from pathlib import Path
@@ -25,6 +26,15 @@ class World:
     scenario: Scenario
     ruleset: RuleSet
     terrain: Terrain
+
+    def __reduce__(self) -> tuple[Callable[..., World], tuple[Scenario, RuleSet]]:
+        return load_world, (self.scenario, self.ruleset)  # tables are shared, and read-only, where it arrives
+
+    def __copy__(self) -> World:
+        return self  # nothing in it ever changes
+
+    def __deepcopy__(self, memo: dict[int, object]) -> World:
+        return self
 
     @cached_property
     def rules(self) -> Rows:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
 
-from hexwar_sb3.kernels import cache_root, compiles, source_hash
+from hexwar_sb3.cache import cache
+from hexwar_sb3.kernels import compiles, source_hash, sources_of, toolchain
 
 _BEGIN = "from hexwar_sb3.engine.world import load_world; load_world('plain').eta"
 _PART = "from hexwar_sb3.envs.prepare import compile_part; compile_part({!r})"
@@ -23,10 +25,37 @@ def prepare(say: Callable[[str], object]) -> None:
     Args:
         say: called with one line for the user if there is something to do.
     """
-    done = cache_root() / f"prepared-{source_hash(Path(__file__))}"
-    if done.exists() or not compiles():
+    if not compiles():
         return
-    say("compiling the game for this machine, once: about two minutes")
+    if not _is_prepared():
+        if cache().place is None:
+            say("compiling the game for this process alone: about two minutes")
+            return
+        say("compiling the game for this machine and this Python, once: about two minutes")
+        if _compile():
+            cache().keep(toolchain(), _marker(), "\n".join(_kernels()).encode())
+    cache().prune()
+
+
+def _marker() -> str:
+    """Name of the list of the kernels that were compiled ahead."""
+    return f"prepared-{source_hash(Path(__file__))}.list"
+
+
+def _is_prepared() -> bool:
+    """Whether all was compiled ahead by this very Python from these sources, and still lies there."""
+    kernels = cache().read(toolchain(), _marker())
+    return kernels is not None and cache().use(toolchain(), kernels.decode().split())
+
+
+def _kernels() -> list[str]:
+    """Names of the files of all kernels that lie there, of these sources."""
+    sources = {source_hash(path) for path in sources_of(Path(__file__))}
+    return [name for name in cache().names(toolchain()) if sources & set(name.split("-"))]
+
+
+def _compile() -> bool:
+    """Compile all parts, side by side; whether it went well."""
     start(_BEGIN).wait()
     workers = [start(_PART.format(part)) for part in _PARTS]
     try:
@@ -34,22 +63,25 @@ def prepare(say: Callable[[str], object]) -> None:
     finally:
         for worker in workers:
             worker.kill()
-    if not any(codes):
-        done.touch()
+    return not any(codes)
 
 
 def start(code: str) -> subprocess.Popen[bytes]:
-    """Run code in a process of its own."""
-    return subprocess.Popen([sys.executable, "-c", code])  # noqa: S603  our own code
+    """Run code in a process of its own, with the same package and the same cache."""
+    path = os.pathsep.join(str(Path(entry).absolute()) for entry in sys.path)  # "" is where we are
+    env = {**os.environ, "PYTHONPATH": path, "HEXWAR_CACHE": str(cache().place)}
+    return subprocess.Popen([sys.executable, "-P", "-c", code], env=env)  # noqa: S603  our own code
 
 
 def compile_part(part: str) -> None:
-    """Compile one of the parts by using it."""
+    """Compile one of the parts by using it; the process ends badly if it could not be kept."""
     from hexwar_sb3.envs.registration import ROUTE_ENV, make_vec_env
     from hexwar_sb3.play.match import play_games
 
     if part == "play":
         play_games("MA1", "MA2", 1)
     else:
-        make_vec_env(n_envs=1, privileged_state=True).reset()
-        make_vec_env(ROUTE_ENV, n_envs=1).reset()
+        make_vec_env(n_envs=1, seed=0, privileged_state=True).reset()
+        make_vec_env(ROUTE_ENV, n_envs=1, seed=0).reset()
+    if cache().lost:
+        sys.exit(1)

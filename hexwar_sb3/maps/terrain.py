@@ -2,7 +2,7 @@
 
 The two big tables take seconds to build and tens of megabytes to hold, so they are kept as
 files in the cache folder, mapped into memory and shared by all processes. A file's name is the
-hash of everything it depends on; it is written under another name and then renamed.
+hash of everything it depends on; one of another shape, type or content is made anew.
 """
 
 from __future__ import annotations
@@ -10,21 +10,24 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Callable
 from functools import cached_property
+from math import prod
 from pathlib import Path
 from typing import Any, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
-from hexwar_sb3.files import replacing
-from hexwar_sb3.kernels import Rows, cache_root
+from hexwar_sb3.cache import cache
+from hexwar_sb3.kernels import Rows
 from hexwar_sb3.maps import cells, geometry, sightlines, travel
 from hexwar_sb3.maps.hexmap import LAYERS, HexMap
+from hexwar_sb3.rules.enums import HopClass
 from hexwar_sb3.rules.ruleset import RuleSet
 
 Table: TypeAlias = npt.NDArray[Any]
 
 EXPOSURE_CELLS = 15  # how far around a cell its exposure is counted
+_AIRBORNE_ENDS = 3  # of a line: none, one, both
 _WORTH_FILING_BYTES = 100_000  # smaller tables are built faster than they are read
 _RULES = (
     *("base_hop", "max_climb", "steep_m", "steep_factor", "slushy_factor", "concealed_factor"),
@@ -37,8 +40,17 @@ class Terrain:
     """One map under one rule set, compiled; every table is built or loaded when first asked for."""
 
     def __init__(self, hexmap: HexMap, ruleset: RuleSet) -> None:
-        self.hexmap = hexmap
+        self.hexmap, self.ruleset = hexmap, ruleset
         self.rules = ruleset.compiled()[0]
+
+    def __reduce__(self) -> tuple[type[Terrain], tuple[HexMap, RuleSet]]:
+        return type(self), (self.hexmap, self.ruleset)  # the tables are found where it arrives
+
+    def __copy__(self) -> Terrain:
+        return self  # nothing in it ever changes
+
+    def __deepcopy__(self, memo: dict[int, object]) -> Terrain:
+        return self
 
     @cached_property
     def hash(self) -> str:
@@ -52,17 +64,23 @@ class Terrain:
     @cached_property
     def cells(self) -> Rows:
         """Records CELL [NC], read-only."""
-        return _kept(f"{self.hash}-cells", self._build_cells).view(np.recarray)
+        shape = (self.hexmap.n_cells,)
+        return _kept(f"{self.hash}-cells", cells.CELL, shape, self._build_cells).view(np.recarray)
 
     @cached_property
     def los(self) -> npt.NDArray[np.uint8]:
         """Lines of sight within the longest range, as bits [airborne ends, a, b // 8], read-only."""
-        return _kept(f"{self.hash}-los", lambda: self._build_los(self._bare_cells()))
+        n_cells = self.hexmap.n_cells
+        shape = (_AIRBORNE_ENDS, n_cells, -(-n_cells // 8))
+        return _kept(
+            f"{self.hash}-los", np.dtype(np.uint8), shape, lambda: self._build_los(self._bare_cells())
+        )
 
     @cached_property
     def eta(self) -> npt.NDArray[np.uint8]:
         """Fastest travel times in base hops [HopClass, target, cell], read-only."""
-        return _kept(f"{self.hash}-eta", self._build_eta)
+        shape = (len(HopClass), self.hexmap.n_cells, self.hexmap.n_cells)
+        return _kept(f"{self.hash}-eta", np.dtype(np.uint8), shape, self._build_eta)
 
     def _bare_cells(self) -> Rows:
         """Cells without exposure, which needs the lines of sight."""
@@ -94,19 +112,21 @@ class Terrain:
         return travel.travel_times(self._bare_cells(), travel.base_hops(self.rules))
 
 
-def _kept(name: str, build: Callable[[], Table]) -> Table:
-    """The table from its file, or built and filed; in memory if small or the folder is not writable."""
-    path = cache_root() / "terrain" / f"{name}.npy"
-    try:
-        return np.asarray(np.load(path, mmap_mode="r"))
-    except (OSError, ValueError, EOFError):  # none yet, or damaged
-        table = build()
+def _kept(name: str, dtype: np.dtype[Any], shape: tuple[int, ...], build: Callable[[], Table]) -> Table:
+    """The table from its file, or built and filed; in memory if it is small or nothing can be kept."""
+    size = prod(shape) * dtype.itemsize
+    if size < _WORTH_FILING_BYTES:
+        return _read_only(build())
+    what = f"{dtype.descr} {shape}"
+    kept = cache().map("terrain", f"{name}.table", what, size)
+    if kept is None:
+        table = _read_only(build())
+        if not cache().keep("terrain", f"{name}.table", table.reshape(-1).view(np.uint8).data, what):
+            return table
+        kept = cache().map("terrain", f"{name}.table", what, size)
+    return table if kept is None else np.frombuffer(kept, dtype).reshape(shape)
+
+
+def _read_only(table: Table) -> Table:
     table.flags.writeable = False
-    if table.nbytes < _WORTH_FILING_BYTES:
-        return table
-    try:
-        with replacing(path) as temporary:
-            np.save(temporary, np.asarray(table), allow_pickle=False)
-        return np.asarray(np.load(path, mmap_mode="r"))
-    except (OSError, ValueError, EOFError):  # full or read-only disk
-        return table
+    return np.asarray(table)

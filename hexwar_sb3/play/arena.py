@@ -78,6 +78,16 @@ class Arena:
         self.atlas = make_atlas(world)
         self._spots = load_spots(world, setup.spots)
 
+    def __getstate__(self) -> dict[str, Any]:
+        return {
+            **self.__dict__,
+            "atlas": None,
+        }  # read-only, which a copy would not be: kernels would compile anew
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        self.atlas = make_atlas(self.world)
+
     def begin(self, b: int, seed: int, red: Seat | None, blue: Seat | None) -> None:
         """Put game b back to tick 0 with a seed for its dice, and seat its two players."""
         self.state.copy_from(self._start, b, 0)
@@ -227,7 +237,7 @@ class Arena:
         """
         check_actions(actions, (len(which), sight.rows.shape[1]))
         illegal = np.zeros(len(which), np.int64)
-        actions = np.ascontiguousarray(actions, np.int64)
+        actions = np.require(actions, np.int64, ("C", "W"))
         choose_batch(
             slots, which, camps, actions, self.drives, self.state.games, self.plans,
             sight.rows, sight.obs["action_mask"], illegal,

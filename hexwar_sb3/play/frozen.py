@@ -104,9 +104,11 @@ class FrozenPolicy:
             )
         n = mask.shape[0] * self.n_pieces
         best, q = np.zeros(n, np.int64), np.zeros((n, self.n_tasks), np.float32)
-        rows = np.ascontiguousarray(obs["obs"], np.float32).reshape(n, -1)
-        tasks = np.ascontiguousarray(obs["tasks"], np.float32).reshape(n, self.n_tasks, -1)
-        best_tasks(rows, tasks, np.ascontiguousarray(mask, np.int8).reshape(n, -1), self._net, q, best)
+        rows = np.require(obs["obs"], np.float32, ("C", "W")).reshape(
+            n, -1
+        )  # a kernel is for one type of array
+        tasks = np.require(obs["tasks"], np.float32, ("C", "W")).reshape(n, self.n_tasks, -1)
+        best_tasks(rows, tasks, np.require(mask, np.int8, ("C", "W")).reshape(n, -1), self._net, q, best)
         return best.reshape(mask.shape[:2]), q.reshape(mask.shape)
 
     @property
@@ -168,4 +170,4 @@ class FrozenPolicy:
 
 def _as_net(weights: Weights) -> Net:
     """Arrange the weights for the kernels: names with `_`, matrices as [input, output]."""
-    return Net(**{name.replace(".", "_"): np.ascontiguousarray(weights[name].T) for name in LAYERS})
+    return Net(**{name.replace(".", "_"): np.array(weights[name].T, order="C") for name in LAYERS})

@@ -82,13 +82,13 @@ class FrozenLower:
     def q_values(self, states: NDArray[np.float32]) -> NDArray[np.float32]:
         """Values of all answers, valid or not: [n, Dl] -> [n, 7]."""
         q = np.zeros((len(states), N_ANSWERS), np.float32)
-        _all_values(np.ascontiguousarray(states, np.float32), self._nets(), q)
+        _all_values(np.require(states, np.float32, ("C", "W")), self._nets(), q)
         return q
 
     def __call__(self, states: NDArray[np.float32], masks: NDArray[np.int8]) -> NDArray[np.int64]:
         """Best valid answers [n]."""
         answers = np.zeros(len(states), np.int64)
-        _all_answers(self.q_values(states), masks, self.tie, answers)
+        _all_answers(self.q_values(states), np.require(masks, np.int8, ("C", "W")), self.tie, answers)
         return answers
 
     def _nets(self) -> Rows:

@@ -2,13 +2,16 @@ from __future__ import annotations
 
 import json
 import re
+import tempfile
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
 from hexwar_sb3 import __version__
+from hexwar_sb3 import cache as cache_module
 from hexwar_sb3.cli import COMMANDS
+from hexwar_sb3.kernels import COMPILED, counts
 
 Command = Callable[..., tuple[int, str, str]]
 
@@ -161,3 +164,30 @@ def test_doctor_plays_a_game(hexwar: Command) -> None:
 
     assert findings["hexwar-sb3"] == __version__
     assert findings["games"].endswith("MA1 against MA2")
+    assert findings["first game"].endswith("(reads the compiled kernels)")
+
+
+def test_doctor_tells_what_the_first_game_compiled(hexwar: Command, monkeypatch: pytest.MonkeyPatch) -> None:
+    def play(*_: object, **__: object) -> None:
+        counts[COMPILED] += 3
+
+    monkeypatch.setattr("hexwar_sb3.evaluation.matches.play_match", play)
+    findings = json.loads(hexwar("doctor", "--json")[1])
+
+    assert findings["first game"].endswith("(compiled 3 kernels, which were not in the cache)")
+
+
+def test_doctor_tells_that_the_cache_cannot_be_used(
+    hexwar: Command, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    (tmp_path / "file").write_text("no folder")
+    monkeypatch.setenv("HEXWAR_CACHE", str(tmp_path / "file"))
+    monkeypatch.setattr("hexwar_sb3.commands.doctor.compile_first", lambda: None)
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    cache_module._temporary.cache_clear()
+    try:
+        findings = json.loads(hexwar("doctor", "--json")[1])
+    finally:
+        cache_module._temporary.cache_clear()
+
+    assert "NOT usable: it is not a folder; instead" in findings["cache"]

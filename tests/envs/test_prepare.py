@@ -5,10 +5,13 @@ from __future__ import annotations
 import subprocess
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
+from hexwar_sb3.cache import Cache, cache
 from hexwar_sb3.envs import prepare
+from hexwar_sb3.kernels import source_hash, toolchain
 
 
 @pytest.fixture
@@ -49,6 +52,74 @@ def test_without_compilation_there_is_nothing_to_do(
     monkeypatch.setattr(prepare, "compiles", lambda: False)
     prepare.prepare(print)
     assert started == []
+
+
+def keep_kernel() -> str:
+    """File something as a kernel of the present sources."""
+    name = f"prepare.any-{source_hash(Path(prepare.__file__))}-0123456789abcdef.kernel"
+    assert cache().keep(toolchain(), name, b"compiled")
+    return name
+
+
+def test_kernels_that_went_away_are_compiled_again_and_that_is_said(
+    started: list[str], tmp_path: Path
+) -> None:
+    name = keep_kernel()
+    prepare.prepare(print)
+    prepare.prepare(print)
+    assert len(started) == 3
+    (tmp_path / toolchain() / name).unlink()
+    said: list[str] = []
+    prepare.prepare(said.append)
+    assert len(started) == 6
+    assert len(said) == 1
+
+
+@pytest.mark.parametrize("what", ["toolchain", "source_hash"])
+def test_what_another_python_or_other_sources_compiled_does_not_count(
+    what: str, started: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    prepare.prepare(print)
+    monkeypatch.setattr(prepare, what, lambda *_: "kernels-fedcba9876543210")
+    said: list[str] = []
+    prepare.prepare(said.append)
+    assert len(started) == 6
+    assert len(said) == 1
+
+
+def test_a_damaged_list_of_what_was_compiled_counts_as_none(started: list[str], tmp_path: Path) -> None:
+    prepare.prepare(print)
+    (path,) = (tmp_path / toolchain()).glob("prepared-*")
+    path.write_bytes(path.read_bytes()[:-1] + b"\xff")
+    prepare.prepare(print)
+    assert len(started) == 6
+
+
+def test_where_nothing_can_be_kept_no_process_compiles_in_vain(
+    started: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(Cache, "place", None)
+    said: list[str] = []
+    prepare.prepare(said.append)
+    assert started == []
+    assert len(said) == 1
+
+
+def test_a_part_that_could_not_be_kept_ends_badly(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(prepare, "cache", lambda: SimpleNamespace(lost={"a kernel"}))
+    with pytest.raises(SystemExit) as ended:
+        prepare.compile_part("look")
+    assert ended.value.code == 1
+
+
+def test_processes_import_the_same_package_from_anywhere(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "hexwar_sb3").mkdir()
+    (tmp_path / "hexwar_sb3" / "__init__.py").write_text("raise SystemExit(5)")
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "path", [entry for entry in sys.path if entry])
+    assert prepare.start("import hexwar_sb3").wait() == 0
 
 
 @pytest.mark.parametrize("part", ["play", "look"])

@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+import copy
+import io
+import pickle
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import numba
 import numpy as np
 import pytest
 
@@ -38,11 +43,66 @@ def test_tables_of_small_maps_are_not_filed(rough_board: Any, tmp_path: Path) ->
     assert list(tmp_path.iterdir()) == []
 
 
-def test_damaged_files_are_built_again(rough_board: Any, own_cache: Path) -> None:
+def saved(table: np.ndarray) -> Callable[[bytes], bytes]:
+    """What numpy's own files would hold."""
+    file = io.BytesIO()
+    np.save(file, table)
+    return lambda _: file.getvalue()
+
+
+OTHER_CONTENTS: dict[str, Callable[[bytes], bytes]] = {
+    "cut": lambda old: old[:200],
+    "empty": lambda _: b"",
+    "one bit": lambda old: old[:-77] + bytes([old[-77] ^ 1]) + old[-76:],
+    "reversed": lambda old: old[:4096] + old[:4095:-1],
+    "zeros": lambda old: old[:4096] + bytes(len(old) - 4096),
+    "longer": lambda old: old + old[-16:],
+    "another shape": saved(np.zeros((2, 40, 40), np.uint8)),
+    "another type": saved(np.zeros((2, 50 * 50, 50 * 50), np.float32)),
+    "the right form": saved(np.zeros((2, 50 * 50, 50 * 50), np.uint8)),
+    "objects": saved(np.array([{}, []], object)),
+}
+
+
+@pytest.mark.parametrize("content", OTHER_CONTENTS)
+def test_files_of_another_shape_type_or_content_are_built_again(
+    content: str, rough_board: Any, own_cache: Path
+) -> None:
     built = [table.copy() for table in tables(rough_board(0, 50, 50))]
-    for path in (own_cache / "terrain").iterdir():
-        path.write_bytes(path.read_bytes()[:200])
+    whole = {path: path.read_bytes() for path in (own_cache / "terrain").iterdir()}
+    for path, old in whole.items():
+        path.write_bytes(OTHER_CONTENTS[content](old))
     assert equal(tables(rough_board(0, 50, 50)), built)
+    assert {path: path.read_bytes() for path in whole} == whole
+
+
+def test_files_of_another_map_are_built_again(rough_board: Any, own_cache: Path) -> None:
+    built = [table.copy() for table in tables(rough_board(0, 50, 50))]
+    mine = sorted((own_cache / "terrain").iterdir())
+    tables(rough_board(1, 50, 50))
+    others = sorted(set((own_cache / "terrain").iterdir()) - set(mine))
+    for path, other in zip(mine, others, strict=True):
+        path.write_bytes(other.read_bytes())
+    assert equal(tables(rough_board(0, 50, 50)), built)
+
+
+@pytest.mark.usefixtures("own_cache")
+def test_tables_from_a_file_have_the_type_of_built_ones(rough_board: Any) -> None:
+    """Kernels are compiled for a type of array, read-only and order included."""
+    built, mapped = (tables(rough_board(0, 50, 50)) for _ in range(2))
+    small = tables(rough_board(0))
+    for three in zip(built, mapped, small, strict=True):
+        assert len({str(numba.typeof(table)) for table in three}) == 1  # type: ignore[no-untyped-call]
+
+
+@pytest.mark.usefixtures("own_cache")
+def test_copies_share_the_tables(rough_board: Any) -> None:
+    terrain = Terrain(rough_board(0, 50, 50), default_rules())
+    assert copy.deepcopy(terrain) is terrain
+    assert copy.copy(terrain) is terrain
+    arrived = pickle.loads(pickle.dumps(terrain))  # noqa: S301
+    assert arrived.hash == terrain.hash
+    assert not any(getattr(arrived, name).flags.writeable for name in TABLES)
 
 
 def test_a_cache_that_cannot_be_written_costs_time_only(
