@@ -18,7 +18,7 @@ from hexwar_sb3.engine.edit import Editor
 from hexwar_sb3.engine.game import Game
 from hexwar_sb3.engine.known_events import known_lines
 from hexwar_sb3.engine.orders import Order
-from hexwar_sb3.engine.record import Line, Recorder, state_hash, state_line
+from hexwar_sb3.engine.record import Line, Recorder, Unrecorded, state_hash, state_line
 from hexwar_sb3.engine.replay_file import content_hash, fail, read_lines, write_lines
 from hexwar_sb3.engine.replay_lines import checked
 from hexwar_sb3.engine.roster import SIDES, Roster, camp_name
@@ -238,6 +238,7 @@ class Replay:
             ReplayFileError: the first line that differs or cannot be played.
         """
         game = self._new_game()
+        game.recorder = Unrecorded(game.world)
         for number, line in enumerate(self.lines[:-1], start=1):
             self._follow(game, line, number)
             if line["type"] == "state" and state_hash(game.state, 0) != line["hash"]:

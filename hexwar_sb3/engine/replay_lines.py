@@ -8,7 +8,7 @@ Playing a game again costs what the game costs; nothing else about a file does.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import fields
 from pathlib import Path
 from typing import Any, NamedTuple, get_args, get_origin, get_type_hints
@@ -24,7 +24,7 @@ from hexwar_sb3.maps.document import shown
 from hexwar_sb3.maps.scenario import MAX_CONTROL_POINTS, MAX_GAME_TICKS, MAX_SIDE_PIECES
 from hexwar_sb3.rules.enums import Camp
 
-MAX_CHANGES = 1_000  # by hand, in all edits of a game
+MAX_CHANGES = 2_000  # by hand, in all edits of a game; an edit counts once itself
 MAX_LOOKS = MAX_GAME_TICKS // STATE_TICKS + 2  # lines of states or views
 MAX_CHARACTERS = 10_000  # of a text; an order of a whole path has 520
 MOST = 2**31 - 1
@@ -227,6 +227,11 @@ def _check_line(line: Line, source: Path, place: str) -> None:
             fail(source, place, f"no {key!r}", f"the keys {', '.join(required)}")
 
 
+def _cost(change: Sequence[Any]) -> int:
+    """A change by hand counts once, a path by its length."""
+    return 1 + (len(change[2]) // 5 if isinstance(change[2], list | tuple) else 0)
+
+
 class _Limits:
     """Time runs forwards; a camp's orders for a tick are one line; states, views and changes by hand are few."""
 
@@ -246,7 +251,7 @@ class _Limits:
             if line["camp"] in self.given:
                 fail(self.source, place, f"orders of {line['camp']} twice", "one such line a tick and camp")
             self.given.add(line["camp"])
-        self.changes += max(1, len(line["changes"])) if line["type"] == "edit" else 0
+        self.changes += 1 + sum(map(_cost, line["changes"])) if line["type"] == "edit" else 0
         self.looks += line["type"] in ("state", "view")
         if self.changes > MAX_CHANGES:
             fail(self.source, place, "more changes by hand", f"at most {MAX_CHANGES} in a game")

@@ -134,10 +134,11 @@ def _scenario_in(document: Document, folder: Path) -> Scenario:
         try:
             return load_map(name)
         except UnknownNameError:
-            names = ", ".join(builtin_names())
-            file = _file_called("map", name, folder)
-            hint = f"; did you mean {file!r}?" if file else ""
-            expected = f"a built-in map ({names}), one like it (NAME@SEED), or a .json file beside the scenario{hint}"
+            file, names = _file_called("map", name, folder), builtin_names()
+            close = [file] if file else difflib.get_close_matches(name, names, n=1)
+            hint = f"; did you mean {close[0]!r}?" if close else ""
+            ways = f"a built-in map ({', '.join(names)}), one like it (NAME@SEED), or a .json file beside the scenario"
+            expected = ways + hint
             document.fail(document.at("map"), repr(name), expected)
 
     return scenario_from(document, find_map)

@@ -128,10 +128,16 @@ SIZES = {"obs": OBS, "task": TASK, "hidden": 64, "embed": 32, "one": 1}
 @pytest.mark.parametrize(
     ("damage", "message"),
     [
-        (write("config.json", b"{"), "config.json: text: found .*; expected JSON"),
+        (
+            write("config.json", b"{"),
+            "config.json: text, line 1, column 2: found .*; expected a policy's config as JSON",
+        ),
         (write("config.json", b"[" * 60_000), "config.json: text: found maximum recursion depth"),
-        (write("config.json", b"[]"), "config.json: format: found something else"),
-        (write("config.json", b" " * 70_000), "config.json: file size: found 70000 bytes; expected at most"),
+        (write("config.json", b"[]"), "config.json: file: found list; expected a policy's config"),
+        (
+            write("config.json", b" " * 70_000),
+            "config.json: file size: found more than 65536 bytes; expected at most 65536",
+        ),
         (change("version", 9), "expected 'hexwar task policy', version 1"),
         (change("n_pieces", 0), "config.json: n_pieces: found 0; expected a whole number from 1 to 4096"),
         (change("n_tasks", 10**9), "n_tasks: found 1000000000; expected a whole number from 1 to 4096"),
@@ -146,7 +152,7 @@ SIZES = {"obs": OBS, "task": TASK, "hidden": 64, "embed": 32, "one": 1}
         (write("weights.safetensors", b""), "weights.safetensors: sha256: found other weights"),
         (
             write("weights.safetensors", b"\0" * (1 << 24) + b"\0"),
-            "weights.safetensors: file size: found 16777217",
+            "weights.safetensors: file size: found more than 16777216 bytes; expected at most 16777216",
         ),
         (
             lambda folder: (folder / "weights.safetensors").unlink(),
