@@ -128,7 +128,7 @@ def _checked_part(path: Path, part: str, values: dict[str, Any]) -> dict[str, An
 
 
 def _check_part(path: Path, part: str, values: dict[str, Any]) -> None:
-    kinds = _kinds(_owner(part))
+    kinds = kinds_of(_owner(part))
     for name, value in values.items():
         place = f"{part}.{name}"[:60]
         if name not in KNOWN[part]:
@@ -153,17 +153,22 @@ def _owner(part: str) -> type:
     return owners[part]
 
 
-def _kinds(owner: type) -> dict[str, str]:
+def kinds_of(owner: type) -> dict[str, str]:
     """Annotations of an owner's arguments, as they are written."""
     return {name: str(one.annotation) for name, one in inspect.signature(owner).parameters.items()}
 
 
 def _check_value(path: Path, place: str, value: object, kind: str) -> None:
-    kinds = [name for name in kind.split(" | ") if name in PLAIN]
-    if not any(type(value) in PLAIN[name] for name in kinds):
-        raise FileFormatError(path, place, found=repr(value)[:40], expected=" or ".join(kinds))
+    if not is_plain(value, kind):
+        expected = " or ".join(name for name in kind.split(" | ") if name in PLAIN)
+        raise FileFormatError(path, place, found=repr(value)[:40], expected=expected)
     if type(value) is int and abs(value) > MOST_WHOLE:
         raise FileFormatError(path, place, found="a huge number", expected=f"at most {MOST_WHOLE}")
     most = MOST.get(place.rpartition(".")[2])
     if most is not None and not (type(value) is int and 1 <= value <= most):
         raise FileFormatError(path, place, found=repr(value)[:40], expected=f"a whole number in 1..{most}")
+
+
+def is_plain(value: object, kind: str) -> bool:
+    """Whether a value is of one of the plain kinds that an annotation names."""
+    return any(type(value) in PLAIN[name] for name in kind.split(" | ") if name in PLAIN)
