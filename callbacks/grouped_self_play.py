@@ -17,7 +17,6 @@ from hexwar_sb3.league.league import League
 from hexwar_sb3.league.member import CAMPS, as_member
 from hexwar_sb3.league.settings import LeagueSettings
 from hexwar_sb3.play.frozen import FrozenPolicy
-from hexwar_sb3.reading import read_json
 
 
 class GroupedSelfPlayCallback(BaseCallback):
@@ -91,7 +90,7 @@ class GroupedSelfPlayCallback(BaseCallback):
         return self.model
 
     def _log(self, league: League, k: int) -> None:
-        found = read_json(league.table(k))["standings"]
+        found = league.standings(k)
         for camp in CAMPS:
             self.logger.record(f"league/{camp}_win_rate", found[camp][0]["win_rate"])
             self.logger.record(f"league/{camp}_margin", found[camp][0]["mean_margin"])

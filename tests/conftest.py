@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import copy
+import json
 import os
-from collections.abc import Callable
+import random
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import numpy as np
@@ -61,3 +64,61 @@ def scramble_unseen(arena: Any, b: int, camp: Camp, rng: np.random.Generator) ->
 def scramble() -> Callable[[Any, int, Camp, np.random.Generator], None]:
     """Function that changes everything in game b of an arena that a camp can neither see nor remember."""
     return scramble_unseen
+
+
+SWAPS: tuple[Any, ...] = (None, [], {}, -1, 0.5, 1e308, True, "x", "", 10**39, [[]], {"x": 1}, ["x"] * 3)
+"""Values of other kinds, for any place of a document."""
+Bad = Callable[[Any], Iterator[bytes]]
+
+
+def bad_documents(document: Any) -> Iterator[bytes]:
+    """Files that are nearly a JSON document: each value of another kind, keys lost, added and doubled, bytes cut and flipped."""
+    for place in _places(document):
+        for value in SWAPS:
+            yield json.dumps(_changed(document, place, value)).encode()
+        yield json.dumps(_changed(document, place, _GONE)).encode()
+        yield json.dumps(_changed(document, (*place, "another key"), 1)).encode()
+    text = json.dumps(document).encode()
+    rng = random.Random(0)
+    for _ in range(30):
+        yield text[: rng.randrange(len(text))]
+        flipped = bytearray(text)
+        flipped[rng.randrange(len(text))] ^= 1 << rng.randrange(8)
+        yield bytes(flipped)
+    key = json.dumps(next(iter(document))).encode()
+    yield text.replace(b"{", b"{" + key + b": 1, ", 1)
+    yield text.replace(b"1", b"NaN", 1)
+    yield b"\xff\xfe" + text
+    yield b"[" * 100_000
+
+
+_GONE = object()
+
+
+def _places(value: Any, place: tuple[Any, ...] = ()) -> Iterator[tuple[Any, ...]]:
+    """Places of all values; of a list those of the first two entries."""
+    entries = (
+        value.items() if isinstance(value, dict) else enumerate(value[:2]) if isinstance(value, list) else ()
+    )
+    for key, one in entries:
+        yield (*place, key)
+        yield from _places(one, (*place, key))
+
+
+def _changed(document: Any, place: tuple[Any, ...], value: Any) -> Any:
+    """The document with another value in a place, or without it; as it is where there is no such place."""
+    new = copy.deepcopy(document)
+    inside = new
+    for key in place[:-1]:
+        inside = inside[key]
+    if value is _GONE:
+        del inside[place[-1]]
+    elif isinstance(inside, dict) or isinstance(place[-1], int):
+        inside[place[-1]] = value
+    return new
+
+
+@pytest.fixture
+def bad() -> Bad:
+    """Function that makes some hundred bad files of a JSON document."""
+    return bad_documents

@@ -132,6 +132,8 @@ class _Journal(JournalFileBackend):
 
 def _open_journal(path: Path) -> JournalStorage:
     path.parent.mkdir(parents=True, exist_ok=True)
+    if path.exists() and not path.is_file():  # a pipe would be waited for
+        raise FileFormatError(path, "file", found="no regular file", expected="a study's journal")
     try:
         return JournalStorage(_Journal(path))
     except OSError:

@@ -30,19 +30,23 @@ from optuna.distributions import (
     IntDistribution,
     distribution_to_json,
 )
-from optuna.exceptions import ExperimentalWarning
+from optuna.exceptions import ExperimentalWarning, StorageInternalError
+from optuna.storages import BaseStorage
 from optuna.trial import BaseTrial, FrozenTrial, TrialState
+from sqlalchemy.exc import SQLAlchemyError
 
 from hexwar_sb3.algorithms.preset_file import load_preset, save_preset
 from hexwar_sb3.algorithms.presets import PRESETS
 from hexwar_sb3.checks import check_whole
-from hexwar_sb3.errors import ConfigError, HexWarError, UnknownNameError
+from hexwar_sb3.errors import ConfigError, FileFormatError, HexWarError, UnknownNameError
 from hexwar_sb3.evaluation.provenance import provenance
+from hexwar_sb3.kinds import read_fields
 from hexwar_sb3.play.player import BotPlayer, make_player
 from hexwar_sb3.tuning.objective import Common, objective
 from hexwar_sb3.tuning.samplers import SAMPLERS, make_sampler
 from hexwar_sb3.tuning.space import Space, checked_point, first_point, short, space_of
 from hexwar_sb3.tuning.store import JOURNAL, database_errors, open_storage
+from hexwar_sb3.tuning.trials import check_trials
 from hexwar_sb3.tuning.workers import WORKER, bury, ended, this_process
 
 STORAGE = "HEXWAR_STUDY_STORAGE"  # environment of a study's processes: URL of its database
@@ -147,23 +151,45 @@ def known_spec(folder: Path, storage: str | None = None) -> StudySpec:
     """
     if storage is None and not (folder / JOURNAL).is_file():
         raise ConfigError(f"there is no study in {folder}")
-    known = optuna.get_all_study_summaries(open_storage(folder, storage))
-    name = study_name(folder, storage)
-    attributes = next((one.user_attrs for one in known if one.study_name == name), {})
+    name, place = study_name(folder, storage), "its database" if storage else str(folder)
+    attributes = _attributes(open_storage(folder, storage), name, place)
+    if not isinstance(attributes.get("spec"), dict):
+        raise ConfigError(f"there is no study {name!r} of `hexwar tune` in {place}")
+    values = dict(attributes["spec"])
+    common = read_fields(Common, values.pop("common", None), place, place="common")
+    found = read_fields(StudySpec, values, place, place="spec")
+    if not {"folder", "storage", "common"}.isdisjoint(found):
+        raise FileFormatError(place, "spec", found="its own place", expected="none: it may be moved")
+    preset = found.get("preset", StudySpec.preset)
+    if preset not in (*PRESETS, PRESET_FILE):
+        expected = f"one of {', '.join((*PRESETS, PRESET_FILE))}"
+        raise FileFormatError(place, "spec.preset", found=preset, expected=expected)
+    if preset == PRESET_FILE:
+        found["preset"] = str(folder / PRESET_FILE)
+    return StudySpec(folder=folder, storage=storage, common=Common(**common), **found)
+
+
+def _attributes(storage: BaseStorage, name: str, place: str) -> dict[str, Any]:
+    """What is said of a study in its storage; nothing if there is none of this name."""
+    with _named(place):
+        known = optuna.get_all_study_summaries(storage, include_best_trial=False)
+    return next((one.user_attrs for one in known if one.study_name == name), {})
+
+
+@contextmanager
+def _named(place: str) -> Iterator[None]:
+    """Say of what lies in a storage, perhaps a stranger's, that Optuna cannot read it.
+
+    Raises:
+        FileFormatError: it cannot.
+    """
     try:
-        values = dict(attributes["spec"])
-        common = values.pop("common")
-        tuples = {name: tuple(common[name]) for name in ("opponents", "panel")}
-        values |= {"also": tuple(values["also"]), "common": Common(**{**common, **tuples})}
-        if values["preset"] == PRESET_FILE:
-            values["preset"] = str(folder / PRESET_FILE)
-        return StudySpec(folder=folder, storage=storage, **values)
-    except (KeyError, TypeError, ValueError) as error:
-        if isinstance(error, HexWarError):
-            raise
-        raise ConfigError(
-            f"there is no study {name!r} of `hexwar tune` in {'its database' if storage else folder}"
-        ) from error
+        yield
+    except (HexWarError, OSError, SQLAlchemyError, StorageInternalError):
+        raise
+    except Exception as error:
+        found = f"{type(error).__name__}: {error}"
+        raise FileFormatError(place, "study", found=found, expected="a study of `hexwar tune`") from error
 
 
 def begin(spec: StudySpec, points: Iterable[object] = ()) -> optuna.Study:
@@ -179,15 +205,16 @@ def begin(spec: StudySpec, points: Iterable[object] = ()) -> optuna.Study:
     """
     optuna.logging.set_verbosity(optuna.logging.WARNING)
     coming = [checked_point(point, spec.space) for point in points]
-    study = _opened(spec)
-    meaning, known = spec.meaning(), study.user_attrs.get("meaning")
-    trials = study.get_trials(deepcopy=False)
-    if known is None and (
-        study.direction != MAXIMIZE or any(one.state != TrialState.WAITING for one in trials)
-    ):
+    with _named(str(spec.folder)):
+        study = _opened(spec)
+        trials, direction = study.get_trials(deepcopy=False), study.direction
+        known = study.user_attrs.get("meaning")
+    meaning = spec.meaning()
+    if known is None and (direction != MAXIMIZE or any(one.state != TrialState.WAITING for one in trials)):
         raise ConfigError(f"{spec.folder}: the study {study.study_name!r} is not one of `hexwar tune`")
     if known is not None and known != meaning:
         raise ConfigError(f"{spec.folder} holds another study: {_difference(known, meaning)}")
+    check_trials(trials, spec.space, study.study_name)
     if known is None:
         coming = [first_point(load_preset(spec.preset), spec.space), *coming]
     if spec.preset not in PRESETS and not (spec.folder / PRESET_FILE).exists():

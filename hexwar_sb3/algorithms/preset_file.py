@@ -3,17 +3,24 @@
 from __future__ import annotations
 
 import inspect
+import math
+import os
 from collections.abc import Mapping
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
 from hexwar_sb3.algorithms.presets import LEARNER, PARTS, PRESETS, WIDTHS, Preset
-from hexwar_sb3.errors import FileFormatError, UnknownNameError
+from hexwar_sb3.algorithms.ranges import check_ranges
+from hexwar_sb3.checks import check_whole
+from hexwar_sb3.errors import ConfigError, FileFormatError, HexWarError, UnknownNameError
 from hexwar_sb3.files import write_json
+from hexwar_sb3.kinds import read_fields
+from hexwar_sb3.maps.scenario import MAX_GAME_TICKS
 from hexwar_sb3.reading import read_json
 
 FORMAT = "hexwar preset 1"
+LIMIT = "gain_limit"  # of the route: may be infinite
 LOWERS = ("learned", "heuristic")  # a file names no other file
 ROUTE = ("alpha", "beta", "beta_per", "ways", "gain_limit", "keep_task", "wander", "shaping")
 LOWER_LEARNER = (
@@ -59,43 +66,69 @@ def load_preset(name: str) -> Preset:
     if name in PRESETS:
         return PRESETS[name]
     path = Path(name)
-    if not path.is_file():
+    if not os.path.lexists(path):
         raise UnknownNameError("preset", name, PRESETS)
     found = read_json(path, "a preset's file")
     if found.get("format") != FORMAT or not isinstance(found.get("preset"), dict):
         raise FileFormatError(path, "format", found=str(found.get("format"))[:40], expected=f"{FORMAT!r}")
-    return Preset(**_checked(path, found["preset"]))
+    values = read_fields(Preset, found["preset"], path)
+    if values.get("lower", LOWERS[0]) not in LOWERS:
+        raise FileFormatError(path, "lower", found=repr(values["lower"]), expected=" or ".join(LOWERS))
+    for part in KNOWN:
+        values[part] = _checked_part(path, part, values.get(part, {}))
+    preset = Preset(**values)
+    try:
+        check_preset(preset)
+    except HexWarError as error:
+        raise FileFormatError(
+            path, "preset", found=str(error), expected="settings in their ranges"
+        ) from error
+    return preset
 
 
 def save_preset(path: Path, preset: Preset, about: Mapping[str, Any]) -> None:
-    """Write a preset, and what it comes from."""
-    write_json(path, {"format": FORMAT, "about": dict(about), "preset": asdict(preset)})
+    """Write a preset, and what it comes from; JSON has no infinity, so that no limit is null."""
+    values = asdict(preset)
+    if values["route"].get(LIMIT) == math.inf:
+        values["route"][LIMIT] = None
+    write_json(path, {"format": FORMAT, "about": dict(about), "preset": values})
 
 
-def _checked(path: Path, values: dict[str, Any]) -> dict[str, Any]:
-    """Values of a stranger's preset: known names, plain values of their kinds, no more than a machine can bear."""
-    own = _kinds(Preset)
-    for name, value in values.items():
-        if name not in own:
-            raise FileFormatError(path, name[:40], found="an unknown setting", expected=", ".join(own))
-        if name in KNOWN:
-            _check_part(path, name, value)
-        elif name == "phase_ticks":
-            if not (isinstance(value, list) and len(value) == 2 and all(type(one) is int for one in value)):
-                raise FileFormatError(path, name, found=repr(value)[:40], expected="two whole numbers")
-        elif name == "lower":
-            if value not in LOWERS:
-                raise FileFormatError(path, name, found=repr(value)[:40], expected=" or ".join(LOWERS))
-        else:
-            _check_value(path, name, value, own[name])
-    phases = {"phase_ticks": tuple(values["phase_ticks"])} if "phase_ticks" in values else {}
-    return {**values, **phases}
+def check_preset(preset: Preset) -> None:
+    """Check the ranges of all that a preset says.
+
+    Raises:
+        ConfigError: a number is out of its range.
+        UnknownNameError: a choice that does not exist.
+    """
+    from hexwar_sb3.envs.route_settings import RouteSettings
+    from hexwar_sb3.envs.settings import TaskSettings, check_share
+
+    check_whole("decision_ticks", preset.decision_ticks, least=1, most=MAX_GAME_TICKS)
+    check_whole("n_envs", preset.n_envs, least=1, most=MOST["n_envs"])
+    check_whole("demo_games", preset.demo_games, least=0, most=MOST_WHOLE)
+    for ticks, least in zip(preset.phase_ticks, (1, 0), strict=True):
+        check_whole("phase_ticks", ticks, least=least, most=MOST_WHOLE)
+    for name in ("demo_share", "warm_start"):
+        check_share(name, getattr(preset, name))
+    if not 0.0 <= preset.tie < math.inf:
+        raise ConfigError(f"tie must be finite and at least 0, got {preset.tie}")
+    TaskSettings(**preset.env)
+    RouteSettings(**preset.route)
+    check_ranges(preset.learner)
+    check_ranges(preset.lower_learner)
 
 
-def _check_part(path: Path, part: str, values: object) -> None:
-    if not isinstance(values, dict):
-        raise FileFormatError(path, part, found=type(values).__name__, expected="names and values")
-    kinds = _kinds(_owner(part))
+def _checked_part(path: Path, part: str, values: dict[str, Any]) -> dict[str, Any]:
+    """Values of a part: known names, plain values of their kinds, no more than a machine can bear."""
+    if part == "route" and values.get(LIMIT, 0.0) is None:
+        values = {**values, LIMIT: math.inf}
+    _check_part(path, part, values)
+    return values
+
+
+def _check_part(path: Path, part: str, values: dict[str, Any]) -> None:
+    kinds = kinds_of(_owner(part))
     for name, value in values.items():
         place = f"{part}.{name}"[:60]
         if name not in KNOWN[part]:
@@ -120,17 +153,22 @@ def _owner(part: str) -> type:
     return owners[part]
 
 
-def _kinds(owner: type) -> dict[str, str]:
+def kinds_of(owner: type) -> dict[str, str]:
     """Annotations of an owner's arguments, as they are written."""
     return {name: str(one.annotation) for name, one in inspect.signature(owner).parameters.items()}
 
 
 def _check_value(path: Path, place: str, value: object, kind: str) -> None:
-    kinds = [name for name in kind.split(" | ") if name in PLAIN]
-    if not any(type(value) in PLAIN[name] for name in kinds):
-        raise FileFormatError(path, place, found=repr(value)[:40], expected=" or ".join(kinds))
+    if not is_plain(value, kind):
+        expected = " or ".join(name for name in kind.split(" | ") if name in PLAIN)
+        raise FileFormatError(path, place, found=repr(value)[:40], expected=expected)
     if type(value) is int and abs(value) > MOST_WHOLE:
         raise FileFormatError(path, place, found="a huge number", expected=f"at most {MOST_WHOLE}")
     most = MOST.get(place.rpartition(".")[2])
     if most is not None and not (type(value) is int and 1 <= value <= most):
         raise FileFormatError(path, place, found=repr(value)[:40], expected=f"a whole number in 1..{most}")
+
+
+def is_plain(value: object, kind: str) -> bool:
+    """Whether a value is of one of the plain kinds that an annotation names."""
+    return any(type(value) in PLAIN[name] for name in kind.split(" | ") if name in PLAIN)

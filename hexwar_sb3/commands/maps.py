@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import sys
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -43,7 +44,7 @@ class Maps:
         if self.output is not None:
             self.output.mkdir(parents=True, exist_ok=True)
             for scenario in scenarios:
-                drawn = self.output / f"{scenario.name}.png"
+                drawn = self.output / f"{_safe(scenario.name)}.png"
                 picture(scenario.hexmap, scenario).savefig(drawn, dpi=110)
                 print(f"picture: {drawn}", file=sys.stderr)
         return 0
@@ -67,6 +68,11 @@ class Maps:
         save_map(hexmap, map_file)
         save_scenario(standard_scenario(hexmap), scenario_file, map_name=map_file.name)
         return scenario_file
+
+
+def _safe(name: str) -> str:
+    """A scenario's name, perhaps a stranger's, as a file's: no folders in it."""
+    return re.sub(r"[^\w@.-]+", "_", name).lstrip(".") or "scenario"
 
 
 def describe(scenario: Any) -> dict[str, Any]:

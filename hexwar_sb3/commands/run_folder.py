@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-import csv
 import json
 from dataclasses import asdict, dataclass
+from math import isnan
 from pathlib import Path
 from typing import Any
 
+from hexwar_sb3.evaluation.csv_file import number_in, read_rows
 from hexwar_sb3.files import replacing
 from hexwar_sb3.reading import read_json
 
@@ -89,8 +90,8 @@ class RunFolder:
 
 
 def _seconds(log: Path) -> float:
-    with log.open(encoding="utf-8", newline="") as file:
-        return max((float(row.get("time/time_elapsed") or 0.0) for row in csv.DictReader(file)), default=0.0)
+    found = (number_in(row, "time/time_elapsed", log) for row in read_rows(log))
+    return max((seconds for seconds in found if not isnan(seconds)), default=0.0)
 
 
 def write_text(path: Path, text: str) -> None:

@@ -87,9 +87,7 @@ def policy_folder(path: Path) -> Path:
 
 def in_words(league: League, k: int) -> str:
     """One line on an iteration: the best of each colour."""
-    from hexwar_sb3.reading import read_json
-
-    found = read_json(league.table(k))["standings"]
+    found = league.standings(k)
     best = (
         f"{camp} {found[camp][0]['name']} {100 * found[camp][0]['win_rate']:.1f} %"
         for camp in ("red", "blue")

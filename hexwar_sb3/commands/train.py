@@ -2,23 +2,22 @@
 
 from __future__ import annotations
 
-import shutil
 import sys
 from dataclasses import dataclass, replace
-from functools import cache
+from functools import cache, cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeVar
 
 import tyro
 
-from hexwar_sb3.algorithms.preset_file import load_preset
+from hexwar_sb3.algorithms.preset_file import check_preset, load_preset, save_preset
 from hexwar_sb3.algorithms.presets import PARTS, PRESETS, Preset
 from hexwar_sb3.commands.output import compile_first
 from hexwar_sb3.commands.run_folder import RunFolder
 from hexwar_sb3.commands.settings import ConstantPlans, Json, ScenarioName, Seed, check_name
-from hexwar_sb3.envs.settings import check_share
-from hexwar_sb3.errors import ConfigError, FileFormatError, UnknownNameError
-from hexwar_sb3.evaluation.seeds import Purpose
+from hexwar_sb3.errors import ConfigError, FileFormatError, HexWarError, UnknownNameError
+from hexwar_sb3.evaluation.seeds import Purpose, seed_for
+from hexwar_sb3.kinds import read_fields
 from hexwar_sb3.maps.files import builtin_names, load_scenario
 from hexwar_sb3.rules.enums import Camp
 
@@ -113,7 +112,7 @@ class Train:
         """Train, or go on with a training."""
         from hexwar_sb3.commands.training import go_on, make_env, new_model, train
 
-        self._check()
+        self.check()
         if self.resume is not None:
             folder = RunFolder(self.resume)
             settings = settings_from(folder)
@@ -126,7 +125,7 @@ class Train:
         folder = RunFolder.new(self.runs, self.name)
         folder.write_config(self, " ".join(["hexwar", *sys.argv[1:]]))
         if self.preset not in PRESETS:
-            shutil.copyfile(self.preset, folder.preset)
+            save_preset(folder.preset, self.loaded, {"copy of": self.preset})
             return train(replace(self, preset=str(folder.preset)), model, folder)
         return train(self, model, folder)
 
@@ -146,14 +145,19 @@ class Train:
             early=env.get("decisions") == "event",
         )
 
-    def _check(self) -> None:
+    def check(self) -> None:
+        """Check everything that can be checked before games are made.
+
+        Raises:
+            HexWarError: a setting is out of its range, or names what does not exist.
+        """
         for name in ("n_timesteps", "eval_freq", "eval_games", "save_freq", "final_games"):
             if getattr(self, name) < 1:
                 raise ConfigError(f"{name} must be at least 1, got {getattr(self, name)}")
+        seed_for(Purpose.TRAINING, self.seed)
         check_name("name", self.name)
         self._check_lower()
-        for name in ("warm_start", "demo_share"):
-            check_share(name, self.value(name))
+        check_preset(self.chosen)
         if not self.opponents:
             raise ConfigError("name at least one opponent")
 
@@ -189,7 +193,12 @@ class Train:
             FileFormatError: its file is broken.
         """
         given = {name: getattr(self, name) for name in OF_PRESET}
-        return load_preset(self.preset).changed({name: one for name, one in given.items() if one is not None})
+        return self.loaded.changed({name: one for name, one in given.items() if one is not None})
+
+    @cached_property
+    def loaded(self) -> Preset:
+        """The preset as it was read, once: a file may change."""
+        return load_preset(self.preset)
 
     @property
     def env(self) -> dict[str, Any]:
@@ -236,19 +245,15 @@ def settings_from(folder: RunFolder) -> Train:
     Raises:
         FileFormatError: they are missing or broken.
     """
-    values = folder.read_config()
-    known = Train.__dataclass_fields__
-    for key in values:
-        if key not in known:
-            raise FileFormatError(
-                folder.config, key, found="an unknown setting", expected="a setting of `hexwar train`"
-            )
-    for key in ("runs", "resume", "trained_agent"):
-        if values.get(key) is not None:
-            values[key] = Path(values[key])
-    for key in ("opponents", "lower_scenarios", "phase_ticks"):
-        if values.get(key) is not None:
-            values[key] = tuple(values[key])
+    values = read_fields(Train, folder.read_config(), folder.config)
     if folder.preset.exists():  # its file may lie elsewhere by now
         values["preset"] = str(folder.preset)
-    return Train(**values)
+    settings = Train(**values)
+    try:
+        settings.check()
+    except FileFormatError:
+        raise
+    except HexWarError as error:
+        expected = "settings of `hexwar train`"
+        raise FileFormatError(folder.config, "settings", found=str(error), expected=expected) from error
+    return settings

@@ -61,7 +61,7 @@ class Editor:
         write = entry.field(field)
         try:
             write(self, name, value)
-        except (TypeError, ValueError, KeyError) as error:
+        except (TypeError, ValueError, LookupError, OverflowError, AttributeError) as error:
             if isinstance(error, ConfigError):
                 raise
             raise ConfigError(f"{name}.{field} cannot be {value!r}: {error}") from error

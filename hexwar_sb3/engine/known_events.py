@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 
 from hexwar_sb3.engine.game import Game
@@ -24,17 +25,17 @@ def known_lines(camp: str, game: Game, lines: Sequence[Line], follow: Follow) ->
 
     follow: makes the game do what a line of the full replay says.
     """
-    side, end_tick = parse_camp(camp), lines[-1]["tick"]
-    acts = [(n, line) for n, line in enumerate(lines, start=1) if line["type"] in {"orders", "edit"}]
+    side, end_tick = parse_camp(camp), min(lines[-1]["tick"], game.world.scenario.game_ticks)
+    acts = deque((n, line) for n, line in enumerate(lines, start=1) if line["type"] in {"orders", "edit"})
     while game.tick <= end_tick:
         while acts and acts[0][1]["tick"] == game.tick:
-            number, line = acts.pop(0)
+            number, line = acts.popleft()
             follow(game, line, number)
             if line["type"] == "orders" and line["camp"] == camp:
                 yield line
         if game.tick % STATE_TICKS == 0 or game.tick == end_tick:
             yield {"type": "view"} | game.view(camp).as_dict()
-        if game.tick == end_tick:
+        if game.tick == end_tick or game.over:
             break
         before = game.state.memory[0, side].copy()
         for event in game.advance(1):

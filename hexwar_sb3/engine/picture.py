@@ -16,7 +16,7 @@ from matplotlib.lines import Line2D
 from hexwar_sb3.engine.record import Line
 from hexwar_sb3.engine.replay import Replay
 from hexwar_sb3.engine.roster import SIDES, camp_name
-from hexwar_sb3.errors import ConfigError
+from hexwar_sb3.errors import ConfigError, ReplayFileError
 from hexwar_sb3.files import replacing
 from hexwar_sb3.maps.hexmap import HexMap
 from hexwar_sb3.maps.picture import CAMP_COLOUR, centres, draw_map, draw_scenario
@@ -87,9 +87,16 @@ def game_picture(replay: Replay) -> Figure:
 
 def tell(replay: Replay) -> Story:
     """Gather paths, shots, captures and deaths from the lines of a replay."""
-    story = Story(paths={name: [[cell]] for name, cell, *_ in replay.states[0]["pieces"] if cell})
-    for event in replay.events:
-        _add_event(story, event)
+    if replay.camp is not None:
+        found = f"the record of {replay.camp} only"
+        raise ReplayFileError(replay.source, "head", found=found, expected="a whole replay")
+    try:
+        story = Story(paths={name: [[cell]] for name, cell, *_ in replay.states[0]["pieces"] if cell})
+        for event in replay.events:
+            _add_event(story, event)
+    except (LookupError, TypeError) as error:  # a shot without a result, an arrival of what is not there
+        found, expected = f"{type(error).__name__}: {error}", "states, and events of pieces on the map"
+        raise ReplayFileError(replay.source, "events", found=found, expected=expected) from error
     return story
 
 

@@ -7,21 +7,25 @@ edits alone make the same game again; `verify` does so and compares every state.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from importlib import import_module
 from pathlib import Path
 from typing import Any
 
+from hexwar_sb3.engine.edit import Editor
 from hexwar_sb3.engine.game import Game
 from hexwar_sb3.engine.known_events import known_lines
 from hexwar_sb3.engine.orders import Order
-from hexwar_sb3.engine.record import Line, Recorder, state_hash, state_line
+from hexwar_sb3.engine.record import Line, Recorder, Unrecorded, state_hash, state_line
 from hexwar_sb3.engine.replay_file import content_hash, fail, read_lines, write_lines
-from hexwar_sb3.engine.roster import SIDES, camp_name
+from hexwar_sb3.engine.replay_lines import checked
+from hexwar_sb3.engine.roster import SIDES, Roster, camp_name
 from hexwar_sb3.engine.score import margin, own_total
 from hexwar_sb3.engine.state import State
 from hexwar_sb3.errors import FileFormatError, HexWarError, ReplayFileError
+from hexwar_sb3.kinds import read_fields
 from hexwar_sb3.maps.document import Document, shown
 from hexwar_sb3.maps.files import scenario_from_document
 from hexwar_sb3.maps.scenario import Scenario
@@ -32,9 +36,10 @@ from hexwar_sb3.rules.tables import AEROCRAFT
 FORMAT = "hexwar-replay"
 FORMAT_VERSION = 1
 MAX_SEED = 2**64 - 1
-_BODY = frozenset({"orders", "edit", "event", "state", "view"})
+_HEAD = ("type", "format", "version", "rules", "scenario")
 _OPEN = ("type", "format", "version", "players", "created")  # of the head, in a camp's own record
 _PLAYED = frozenset({"orders", "edit", "state"})
+_NAMES = ("piece", "target", "shooter")  # of pieces, in an event
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -53,7 +58,10 @@ class PlayerName:
 
 @dataclass(frozen=True)
 class Replay:
-    """One recorded game.
+    """One recorded game; its lines are checked when it is made, also by hand.
+
+    Raises:
+        ReplayFileError: a line has other keys or values than `replay_lines.LINES` says, or there are too many.
 
     Example:
         >>> Replay.of(game).save("game.hwr")
@@ -62,6 +70,10 @@ class Replay:
 
     lines: tuple[Line, ...]
     source: Path = Path("replay")  # named in messages
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "lines", checked(self.lines, self.source))
+        self._check_head()
 
     @property
     def head(self) -> Line:
@@ -116,37 +128,60 @@ class Replay:
         Raises:
             ReplayFileError: names the place, what was found and what was expected.
         """
-        replay = cls(tuple(read_lines(Path(path))), Path(path))
-        replay._check_frame()
-        replay.scenario()
+        replay = cls(read_lines(Path(path)), Path(path))  # type: ignore[arg-type]  # checked as they come
         if replay.camp is None:
+            found, expected = replay.end.get("sha256"), content_hash(replay.lines[:-1])
+            if found != expected:
+                replay._fail("end.sha256", shown(found), f"{expected!r}: the file was changed")
             replay.ruleset()
+        replay._check_names(replay.scenario())
         return replay
-
-    def _check_frame(self) -> None:
-        kinds = [line["type"] for line in self.lines]
-        if not kinds or kinds[0] != "head":
-            self._fail("line 1", kinds[0] if kinds else "nothing", 'a line of type "head"')
-        if kinds[-1] != "end":
-            self._fail(f"line {len(kinds)}", f"{kinds[-1]!r}", '"end" last: the file was cut short')
-        for number, kind in enumerate(kinds[1:-1], start=2):
-            if kind not in _BODY:
-                self._fail(f"line {number}", shown(kind), f"one of {', '.join(sorted(_BODY))}")
-        self._check_head()
-        found, expected = self.end.get("sha256"), content_hash(self.lines[:-1])
-        if self.camp is None and found != expected:
-            self._fail("end.sha256", shown(found), f"{expected!r}: the file was changed")
 
     def _check_head(self) -> None:
         head = self._document(self.head, "head")
-        head.only(("type", "format", "version", "rules", "scenario"), tuple(self.head))
+        head.has(*_HEAD)
         head.choice("format", (FORMAT,))
         head.integer("version", FORMAT_VERSION, FORMAT_VERSION)
+        rules, scenario = (self._document(self.head[key], f"head.{key}") for key in ("rules", "scenario"))
+        scenario.has("map")
+        self._document(scenario.data["map"], "head.scenario.map")
         if self.camp is not None:
             head.choice("camp", tuple(map(camp_name, SIDES)))
+            head.only((*_HEAD, "camp"), ("players", "created"))
+            rules.only(("version",))
         else:
-            head.only(("seed",), tuple(self.head))
+            head.only((*_HEAD, "seed"), ("players", "software", "created"))
             head.integer("seed", 0, MAX_SEED)
+            self._document(self.end, "end").has("margin", "winner", "sha256")
+        for key in ("software", "created"):
+            if key in head.data:
+                head.text(key)
+        self._check_players()
+
+    def _check_players(self) -> None:
+        players = self._document(self.head.get("players", {}), "head.players")
+        players.only((), tuple(map(camp_name, SIDES)))
+        for camp, player in players.data.items():
+            read_fields(PlayerName, player, self.source, ReplayFileError, f"head.players.{camp}")
+
+    def _check_names(self, scenario: Scenario) -> None:
+        """Events and states are of pieces and cells of the scenario, and within its time."""
+        names, cells = Roster(scenario).names, frozenset(_cells_of(scenario))
+        known = {**dict.fromkeys(_NAMES, frozenset(names)), "cell": cells}
+        for number, line in enumerate(self.lines[1:], start=2):
+            if line["tick"] > scenario.game_ticks:
+                self._fail(f"line {number}.tick", str(line["tick"]), f"at most {scenario.game_ticks}")
+            if line["type"] == "event":
+                for key, allowed in known.items():
+                    if key in line and line[key] not in allowed:
+                        self._fail(f"line {number}, event.{key}", shown(line[key]), "a name of the scenario")
+            elif line["type"] == "state":
+                found = tuple(piece[0] for piece in line["pieces"])
+                where = {piece[1] for piece in line["pieces"]} - {None}
+                if found != names or not where <= cells or len(line["owners"]) != len(scenario.points):
+                    self._fail(
+                        f"line {number}, state", "other names", "pieces, cells and points of the scenario"
+                    )
 
     @property
     def camp(self) -> str | None:
@@ -203,6 +238,7 @@ class Replay:
             ReplayFileError: the first line that differs or cannot be played.
         """
         game = self._new_game()
+        game.recorder = Unrecorded(game.world)
         for number, line in enumerate(self.lines[:-1], start=1):
             self._follow(game, line, number)
             if line["type"] == "state" and state_hash(game.state, 0) != line["hash"]:
@@ -215,8 +251,8 @@ class Replay:
     def game_at(self, tick: int) -> Game:
         """The game as it stood at a tick, ready to be played on in another way."""
         game = self._new_game()
-        for number, line in enumerate(self.lines, start=1):
-            if line.get("tick", 0) >= tick and line["type"] != "edit":
+        for number, line in enumerate(self.lines[1:], start=2):
+            if line["tick"] > tick or (line["tick"] == tick and line["type"] != "edit"):
                 break
             self._follow(game, line, number)
         game.advance(max(0, tick - game.tick))
@@ -238,10 +274,14 @@ class Replay:
             if line["type"] == "orders":
                 game.submit(line["camp"], [Order.parse(text) for text in line["orders"]])
             elif line["type"] == "edit":
-                with game.edit() as state:
-                    for who, field, value in line["changes"]:
-                        state.apply((who, field, value))
-        except (HexWarError, KeyError, TypeError, ValueError, AttributeError) as error:
+                editor = Editor(
+                    game.state, game.world
+                )  # without the way back of `game.edit`: an error ends it all
+                for who, field, value in line["changes"]:
+                    editor.apply((who, field, value))
+                editor.finish()
+                game.recorder.note_edit(game.tick, editor.changes)
+        except HexWarError as error:
             self._fail(f"line {number}", str(error), f"{line['type']} that can be played again")
 
     # --- one camp's own file ---------------------------------------------------------------------
@@ -253,6 +293,12 @@ class Replay:
         scenario["map"] = {k: v for k, v in scenario["map"].items() if k not in {"hash", "seed"}}
         head |= {"camp": camp, "rules": {"version": self.head["rules"]["version"]}, "scenario": scenario}
         return Replay((head, *known_lines(camp, self._new_game(), self.lines, self._follow)), self.source)
+
+
+def _cells_of(scenario: Scenario) -> Iterator[str]:
+    """Names of all cells of its map."""
+    hexmap = scenario.hexmap
+    return (hexmap.cell_name(cell) for cell in range(hexmap.n_cells) if hexmap.playable.flat[cell])
 
 
 def _head(recorder: Recorder, seed: int, players: dict[str, PlayerName | None]) -> Line:

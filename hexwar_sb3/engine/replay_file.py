@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any, NoReturn, TypeAlias
 
@@ -16,20 +16,28 @@ import zstandard
 
 from hexwar_sb3.errors import ReplayFileError
 from hexwar_sb3.files import replacing
+from hexwar_sb3.reading import parse_json, read_bytes
 
 Line: TypeAlias = dict[str, Any]
 
 MAX_FILE_BYTES = 4_000_000  # a whole game has about 40,000
-MAX_TEXT_BYTES = 64_000_000  # after decompression
-MAX_LINES = 200_000
+MAX_TEXT_BYTES = 1 << 24  # after decompression; a whole game has about 100,000, and the longest some millions
+MAX_LINES = 50_000  # a whole game has about 700
+MAX_LINE_BYTES = 1 << 20  # the head of the largest map has about 60,000
 _CHUNK_BYTES = 256  # packed; a bomb unpacks to at most some megabytes a chunk
 _LEVEL = 19  # of compression: written once, read often
 _MAGIC = b"\x28\xb5\x2f\xfd"
 
 
 def write_lines(path: Path, lines: Sequence[Line]) -> None:
-    """Write a file whole or not at all."""
+    """Write a file whole or not at all.
+
+    Raises:
+        ReplayFileError: nobody could read it, it is too large.
+    """
     text = b"".join(_encoded(line) for line in lines)
+    if len(text) > MAX_TEXT_BYTES:
+        fail(path, "file", f"{len(text)} bytes to write", f"at most {MAX_TEXT_BYTES}")
     packed = zstandard.ZstdCompressor(level=_LEVEL, write_checksum=True).compress(text)
     with replacing(path) as temporary:
         temporary.write_bytes(packed)
@@ -47,8 +55,8 @@ def _encoded(line: Line) -> bytes:
     return json.dumps(line, separators=(",", ":"), ensure_ascii=False).encode() + b"\n"
 
 
-def read_lines(path: Path) -> list[Line]:
-    """All lines of a file.
+def read_lines(path: Path) -> Iterator[Line]:
+    """The lines of a file, one by one.
 
     Raises:
         ReplayFileError: not a readable replay file; says where and why.
@@ -56,10 +64,16 @@ def read_lines(path: Path) -> list[Line]:
     text = _unpacked(path, _packed(path))
     if not text.endswith(b"\n"):
         fail(path, f"byte {len(text)}", "the end of the file within a line", "a whole last line")
-    lines = text.split(b"\n")[:-1]
-    if len(lines) > MAX_LINES:
-        fail(path, "file", f"{len(lines)} lines", f"at most {MAX_LINES}")
-    return [_parsed(path, number, line) for number, line in enumerate(lines, start=1)]
+    n_lines = text.count(b"\n")
+    if n_lines > MAX_LINES:
+        fail(path, "file", f"{n_lines} lines", f"at most {MAX_LINES}")
+    for number, line in enumerate(text.split(b"\n")[:-1], start=1):
+        if len(line) > MAX_LINE_BYTES:
+            fail(path, f"line {number}", f"{len(line)} bytes", f"at most {MAX_LINE_BYTES}")
+        value = parse_json(line, path, "an object", ReplayFileError, f"line {number}")
+        if not (isinstance(value, dict) and isinstance(value.get("type"), str)):
+            fail(path, f"line {number}", str(line[:40]), 'an object with a "type"')
+        yield value
 
 
 def fail(path: Path, place: str, found: str, expected: str) -> NoReturn:
@@ -68,22 +82,16 @@ def fail(path: Path, place: str, found: str, expected: str) -> NoReturn:
 
 
 def _packed(path: Path) -> bytes:
-    try:
-        with path.open("rb") as file:
-            packed = file.read(MAX_FILE_BYTES + 1)
-    except OSError as problem:
-        found = problem.strerror or type(problem).__name__
-        raise ReplayFileError(path, "file", found=found, expected="a readable file") from problem
+    packed = read_bytes(path, MAX_FILE_BYTES, ReplayFileError)
     if not packed.startswith(_MAGIC):
         fail(path, "byte 0", repr(packed[: len(_MAGIC)]), "a zstd-compressed file")
-    if len(packed) > MAX_FILE_BYTES:
-        fail(path, "file", f"more than {MAX_FILE_BYTES} bytes", f"at most {MAX_FILE_BYTES}")
     return packed
 
 
 def _unpacked(path: Path, packed: bytes) -> bytes:
     """The text; given up as soon as it is longer than any game's."""
-    text, unpacker = bytearray(), zstandard.ZstdDecompressor().decompressobj()
+    unpacker = zstandard.ZstdDecompressor(max_window_size=MAX_TEXT_BYTES).decompressobj()
+    text = bytearray()
     for start in range(0, len(packed), _CHUNK_BYTES):
         try:
             text += unpacker.decompress(packed[start : start + _CHUNK_BYTES])
@@ -95,13 +103,3 @@ def _unpacked(path: Path, packed: bytes) -> bytes:
     if not unpacker.eof or unpacker.unused_data:
         fail(path, f"byte {len(packed)}", "no end of the zstd data there", "one whole zstd frame")
     return bytes(text)
-
-
-def _parsed(path: Path, number: int, line: bytes) -> Line:
-    try:
-        value = json.loads(line)
-    except (ValueError, RecursionError) as problem:
-        raise ReplayFileError(path, f"line {number}", found=str(problem), expected="JSON") from problem
-    if not (isinstance(value, dict) and isinstance(value.get("type"), str)):
-        fail(path, f"line {number}", str(line[:40]), 'an object with a "type"')
-    return value

@@ -87,8 +87,9 @@ def parse_board(text: str) -> Board:
             continue
         try:
             _parse_line(board, words[0], words[1:])
-        except (ConfigError, IndexError, ValueError) as error:
-            problem = "a word is missing at its end" if isinstance(error, IndexError) else error
+        except (ConfigError, IndexError, StopIteration, ValueError, OverflowError) as error:
+            is_short = isinstance(error, IndexError | StopIteration)
+            problem = "a word is missing at its end" if is_short else error
             raise ConfigError(f"board, line {number}: {line.strip()!r}: {problem}") from error
     return board
 

@@ -10,7 +10,9 @@ import json
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
+
+import numpy as np
 
 from hexwar_sb3.bots.config import bots_hash
 from hexwar_sb3.errors import FileFormatError
@@ -20,6 +22,7 @@ from hexwar_sb3.evaluation.jobs import run_jobs
 from hexwar_sb3.evaluation.panel import Terms, trained_terms
 from hexwar_sb3.evaluation.provenance import provenance
 from hexwar_sb3.files import replacing
+from hexwar_sb3.kinds import read_fields
 from hexwar_sb3.play.frozen import FrozenPolicy
 from hexwar_sb3.play.player import BotPlayer, make_player
 from hexwar_sb3.reading import read_json
@@ -126,6 +129,22 @@ def play_meetings(
     return Table({meeting: match.read() for meeting, match in matches.items()})
 
 
+@dataclass(frozen=True, kw_only=True)
+class Figures:
+    """What a match's file says of one camp."""
+
+    player: str
+    games: int
+    wins: int
+    draws: int
+    losses: int
+    win_rate: float
+    win_rate_interval: tuple[float, float]
+    mean_margin: float
+    mean_margin_interval: tuple[float, float]
+    points_held: tuple[float, ...]
+
+
 @dataclass(frozen=True)
 class Match:
     """One job: everything that a match needs, and where its file goes."""
@@ -181,11 +200,43 @@ class Match:
                 raise FileFormatError(
                     self.path, key, found=str(found), expected=f"{value}; or choose another folder"
                 )
+        self._check_figures(row)
         return row
+
+    def _check_figures(self, row: Mapping[str, Any]) -> None:
+        """What it says of the games is of this match, and adds up."""
+        games = row.get("red_games")
+        if not isinstance(games, str) or len(games) != self.terms.games or set(games) - set(LETTERS.values()):
+            self._fail("red_games", games, f"{self.terms.games} letters of {', '.join(LETTERS.values())}")
+        if type(row.get("seed")) is not int or row["seed"] != self.terms.seed:
+            self._fail("seed", row.get("seed"), f"{self.terms.seed}")
+        won, drawn, lost = (games.count(letter) for letter in LETTERS.values())
+        for camp, wins, losses in (("red", won, lost), ("blue", lost, won)):
+            figures = Figures(**read_fields(Figures, row.get(camp), self.path, place=camp, whole=True))
+            counted = (getattr(self.meeting, camp), len(games), wins, drawn, losses)
+            rate = wilson(wins + drawn / 2, len(games))
+            found = (figures.player, figures.games, figures.wins, figures.draws, figures.losses)
+            if found != counted:
+                self._fail(camp, found, f"{counted}, by red_games")
+            for name, value in (
+                ("win_rate", rate.value),
+                ("win_rate_interval", (rate.low, rate.high)),
+            ):
+                if not np.allclose(getattr(figures, name), value, rtol=0.0, atol=1e-9):
+                    self._fail(f"{camp}.{name}", getattr(figures, name), f"{value}, by red_games")
+            low, high = figures.mean_margin_interval
+            if not low <= figures.mean_margin <= high:
+                self._fail(f"{camp}.mean_margin", figures.mean_margin, "a number within its interval")
+            if not np.isclose(sum(figures.points_held), 1.0) or min(figures.points_held) < 0.0:
+                self._fail(f"{camp}.points_held", figures.points_held, "shares that add up to 1")
+
+    def _fail(self, place: str, found: object, expected: str) -> NoReturn:
+        raise FileFormatError(self.path, place, found=repr(found), expected=expected)
 
 
 def play(match: Match) -> None:
     """Play a match and leave its file: a function of `match` alone, in any process."""
+    match = replace(match, red=make_player(match.red), blue=make_player(match.blue))  # a folder is read once
     meeting = match.meeting
     terms = replace(match.terms, scenario=meeting.scenario)
     result = terms.play(match.red, match.blue, match.decision_ticks)

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from math import isnan
 from pathlib import Path
 from typing import Any
 
+from hexwar_sb3.errors import FileFormatError
 from hexwar_sb3.evaluation.intervals import Estimate
 from hexwar_sb3.evaluation.panel import BOTS
+from hexwar_sb3.experiments.page_file import FILE, PageRow, rows_on
 from hexwar_sb3.experiments.runs import FLAT_DQN, TASK_PPO, Budget, Places, Run, baseline_run, hrl_run
 from hexwar_sb3.experiments.spread import seed_difference, spread
 from hexwar_sb3.play.records import DECISION_TICKS
@@ -114,19 +115,22 @@ def summary(all_runs: Sequence[Run], places: Places) -> list[dict[str, Any]]:
 
 def figures_of(kept: Path) -> dict[tuple[str, str], float]:
     """Figures of the trained player on a page by (opponent, quantity); both colours together."""
-    page = json.loads((kept / "page.json").read_text(encoding="utf-8"))
-    figures = {}
+    rows, figures = rows_on(kept), {}
     for opponent in BOTS:
-        cells = [row for row in page["rows"] if (row["player"], row["opponent"]) == ("trained", opponent)]
+        cells = [row for row in rows if (row.player, row.opponent) == ("trained", opponent)]
+        if not cells:
+            found, expected = "no row", f"rows of the trained player against {opponent}"
+            raise FileFormatError(kept / FILE, "rows", found=found, expected=expected)
         for quantity in QUANTITIES:
             figures[opponent, quantity] = sum(_value(cell, quantity) for cell in cells) / len(cells)
     return figures
 
 
-def _value(cell: dict[str, Any], quantity: str) -> float:
+def _value(cell: PageRow, quantity: str) -> float:
     """A figure of a cell; of the shares of the games with 0, 1, 2, ... points held, the mean."""
-    value = cell[quantity]
-    return sum(k * share for k, share in enumerate(value)) if quantity == "points_held" else value
+    if quantity == "points_held":
+        return sum(k * share for k, share in enumerate(cell.points_held))
+    return float(getattr(cell, quantity))
 
 
 def _against(

@@ -11,6 +11,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from hexwar_sb3.errors import FileFormatError
+from hexwar_sb3.evaluation.csv_file import number_in, read_rows
 from hexwar_sb3.evaluation.history import History
 from hexwar_sb3.evaluation.results import CampResult
 from hexwar_sb3.files import replacing
@@ -62,11 +64,16 @@ def write_curve(path: Path, rows: Iterator[dict[str, Any]]) -> None:
 
 
 def read_curve(path: Path, opponent: str) -> dict[str, list[float]]:
-    """Columns of `curve.csv` against one opponent."""
-    with path.open(encoding="utf-8", newline="") as file:
-        rows = [row for row in csv.DictReader(file) if row["opponent"] == opponent]
+    """Columns of `curve.csv` against one opponent.
+
+    Raises:
+        FileFormatError: it is broken, or has no row of this opponent.
+    """
+    rows = [row for row in read_rows(path) if row.get("opponent") == opponent]
+    if not rows:
+        raise FileFormatError(path, "opponent", found="no row", expected=f"rows of {opponent!r}")
     numbers = [head for head in HEADS if head != "opponent"]
-    return {head: [float(row[head] or "nan") for row in rows] for head in numbers}
+    return {head: [number_in(row, head, path) for row in rows] for head in numbers}
 
 
 @dataclass(frozen=True, eq=False)

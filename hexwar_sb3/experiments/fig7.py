@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Sequence
 from pathlib import Path
@@ -12,6 +11,7 @@ from typing import TYPE_CHECKING
 from hexwar_sb3.algorithms.presets import PRESETS
 from hexwar_sb3.evaluation.panel import BOTS
 from hexwar_sb3.experiments.curve import read_band
+from hexwar_sb3.experiments.page_file import minutes_on
 from hexwar_sb3.experiments.runs import FLAT_DQN, Budget, Places, Run, baseline_run, hrl_run
 from hexwar_sb3.files import replacing
 from hexwar_sb3.maps.files import load_scenario
@@ -89,8 +89,7 @@ def _draw_method(
 
 
 def _label(method: str, kept: list[Path]) -> str:
-    pages = [json.loads((folder / "page.json").read_text(encoding="utf-8")) for folder in kept]
-    minutes = fmean(page["minutes"] for page in pages)
+    minutes = fmean(map(minutes_on, kept))
     return f"{METHODS[method]}, {len(kept)} seed{'s' * (len(kept) > 1)}, {minutes:.0f} min each"
 
 

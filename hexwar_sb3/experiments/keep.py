@@ -2,18 +2,31 @@
 
 from __future__ import annotations
 
-import json
 import shutil
 from collections.abc import Iterator
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from hexwar_sb3.engine.world import load_world
 from hexwar_sb3.evaluation.history import History
+from hexwar_sb3.evaluation.panel import BOTS
 from hexwar_sb3.experiments.curve import curve_rows, write_curve
 from hexwar_sb3.experiments.runs import Run
+from hexwar_sb3.kinds import read_fields
+from hexwar_sb3.reading import read_json
 
 FILES = ("page.txt", "page.json", "config.json")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Measured:
+    """What a run's settings say of its evaluations: those of `hexwar train`, or of a baseline."""
+
+    opponents: tuple[str, ...] = BOTS
+    scenario: str = "plain"
+    decisions: str | None = None
+    decision_ticks: int | None = None  # not said: they are not known
 
 
 def keep(run: Run, folder: Path, kept: Path) -> None:
@@ -31,11 +44,12 @@ def keep(run: Run, folder: Path, kept: Path) -> None:
 
 
 def _curve_of(folder: Path) -> Iterator[dict[str, Any]]:
-    config = json.loads((folder / "config.json").read_text(encoding="utf-8"))
-    varies = config.get("decisions") == "event"
+    config = read_json(folder / "config.json", "a run's settings")
+    own = {name: value for name, value in config.items() if name in Measured.__dataclass_fields__}
+    said = Measured(**read_fields(Measured, own, folder / "config.json"))
     return curve_rows(
         History.load(folder / "evaluations.npz"),
-        config["opponents"],
-        decision_ticks=None if varies else config["decision_ticks"],
-        game_ticks=load_world(config["scenario"]).scenario.game_ticks,
+        said.opponents,
+        decision_ticks=None if said.decisions == "event" else said.decision_ticks,
+        game_ticks=load_world(said.scenario).scenario.game_ticks,
     )

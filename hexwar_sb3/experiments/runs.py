@@ -9,11 +9,13 @@ from enum import StrEnum
 from pathlib import Path
 
 from hexwar_sb3.engine.world import load_world
-from hexwar_sb3.errors import ConfigError, UnknownNameError
+from hexwar_sb3.errors import ConfigError, FileFormatError, UnknownNameError
 from hexwar_sb3.play.records import DECISION_TICKS
+from hexwar_sb3.reading import read_bytes
 
 HEXWAR = "hexwar_sb3.cli"  # modules that train
 FLAT_DQN, TASK_PPO = "hexwar_sb3.commands.flat_dqn", "hexwar_sb3.commands.task_ppo"
+MOST_COMMAND_BYTES = 1 << 16
 EVALUATIONS, CHECKPOINTS = 10, 5  # of a run, evenly over its games
 
 
@@ -135,7 +137,8 @@ class Places:
 
     def folder(self, run: Run) -> Path | None:
         """The newest run folder that this very command has made."""
-        folders = (self.work / run.experiment).glob(f"{run.name}_*")
+        found = (self.work / run.experiment).glob(f"{run.name}_*")
+        folders = [path for path in found if path.name.rpartition("_")[2].isdecimal()]
         made = [path for path in folders if command_in(path).startswith(f"{run.command} --runs ")]
         return max(made, key=lambda path: int(path.name.rpartition("_")[2]), default=None)
 
@@ -173,9 +176,19 @@ class Places:
 
 
 def command_in(folder: Path) -> str:
-    """Command line that a folder was made by; empty if it does not say."""
+    """Command line that a folder was made by; empty if it does not say.
+
+    Raises:
+        FileFormatError: its file is broken.
+    """
     path = folder / "command.txt"
-    return path.read_text(encoding="utf-8").strip() if path.is_file() else ""
+    if not path.is_file():
+        return ""
+    data = read_bytes(path, MOST_COMMAND_BYTES, expected="a command line")
+    try:
+        return data.decode("utf-8").strip()
+    except UnicodeDecodeError as error:
+        raise FileFormatError(path, "text", found=str(error), expected="a command line in UTF-8") from error
 
 
 def choose(runs: Sequence[Run], only: Iterable[str]) -> list[Run]:

@@ -17,6 +17,7 @@ from hexwar_sb3.evaluation.panel import BOTS, CONSTANT_PLANS, Terms
 from hexwar_sb3.evaluation.tournament import Meeting, Table, play_meetings
 from hexwar_sb3.experiments.carry_out import carry_out
 from hexwar_sb3.experiments.fig7 import pair
+from hexwar_sb3.experiments.page_file import FILE, minutes_on
 from hexwar_sb3.experiments.runs import Budget, Places, Run
 from hexwar_sb3.league.cost import Cost, added, measured, read_cost
 from hexwar_sb3.league.distil import Lessons
@@ -26,7 +27,6 @@ from hexwar_sb3.league.member import CAMPS, making
 from hexwar_sb3.league.picture import draw_league
 from hexwar_sb3.league.school import School
 from hexwar_sb3.league.settings import LeagueSettings
-from hexwar_sb3.reading import read_json
 
 NAME = "table1"
 ROWS = ("HRL0", "HRL1", "HRL2", "CAI")
@@ -210,8 +210,8 @@ class Table1:
 
     def costs(self) -> Cost:
         """Wall and core time of every stage, as far as it was measured."""
-        pages = [self.places.kept(run) / "page.json" for run in self.warm_ups()]
-        seconds = [60.0 * read_json(page)["minutes"] for page in pages if page.exists()]
+        kept = [self.places.kept(run) for run in self.warm_ups()]
+        seconds = [60.0 * minutes_on(folder) for folder in kept if (folder / FILE).exists()]
         warm_ups = {"warm-ups": {"wall_s": sum(seconds), "core_s": sum(seconds)}}
         league = [read_cost(self.kept / "league" / f"iteration_{k:02d}") for k in self._iterations]
         return added([warm_ups, *league, read_cost(self.kept)])

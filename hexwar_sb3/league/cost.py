@@ -12,6 +12,7 @@ from time import monotonic, process_time
 
 from hexwar_sb3.errors import FileFormatError
 from hexwar_sb3.files import write_json
+from hexwar_sb3.kinds import fits
 from hexwar_sb3.reading import read_json
 
 FILE = "cost.json"
@@ -45,9 +46,10 @@ def measured(folder: Path, part: str, jobs: int = 1) -> Iterator[None]:
 def read_cost(folder: Path) -> Cost:
     """Parts and what they cost; nothing if the file is missing or broken."""
     try:
-        return read_json(folder / FILE)
+        found = read_json(folder / FILE)
     except FileFormatError:
         return {}
+    return found if all(fits(spent, dict[str, float]) for spent in found.values()) else {}
 
 
 def added(costs: Iterable[Cost]) -> Cost:

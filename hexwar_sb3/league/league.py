@@ -12,7 +12,7 @@ from __future__ import annotations
 import re
 import shutil
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass, fields, replace
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -23,12 +23,13 @@ from hexwar_sb3.evaluation.panel import BOTS, Terms, trained_terms
 from hexwar_sb3.evaluation.provenance import provenance
 from hexwar_sb3.evaluation.seeds import Purpose
 from hexwar_sb3.files import write_json
+from hexwar_sb3.kinds import read_fields
 from hexwar_sb3.league.cost import measured
 from hexwar_sb3.league.group import GroupSpec, train_group
 from hexwar_sb3.league.judge import Rivals
 from hexwar_sb3.league.member import CAMPS, Member, clear_unfinished
 from hexwar_sb3.league.school import Pupil, Search, go_to_school, search
-from hexwar_sb3.league.selection import play_all, select, standings
+from hexwar_sb3.league.selection import Standing, play_all, select, standings
 from hexwar_sb3.league.settings import EXPLORING_SHARE, LEARNER, LeagueSettings
 from hexwar_sb3.league.work import Opponents, env_settings, env_steps, job_seed
 from hexwar_sb3.play.frozen import FrozenPolicy
@@ -39,6 +40,17 @@ FORMAT = "hexwar league 1"
 FIRST = ".first"  # file of the plan of the very first best; no model is called like that
 NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]{0,79}")
 Generation = dict[str, list[Member]]  # by camp, the best first
+
+
+@dataclass(frozen=True, kw_only=True)
+class TableRow:
+    """A row of an iteration's table, as its file has it."""
+
+    name: str
+    win_rate: float
+    win_rate_interval: tuple[float, float]
+    mean_margin: float
+    parent: str | None  # none in the first iteration
 
 
 @dataclass(frozen=True)
@@ -58,19 +70,10 @@ class League:
         """
         path = folder / "league.json"
         found = read_json(path)
-        values, known = found.get("settings"), {field.name for field in fields(LeagueSettings)}
-        kinds = {"bots": list, "school_trials": list, "learner": dict, "scenario": str}
-        if found.get("format") != FORMAT or not isinstance(values, dict):
-            said = f"{str(found.get('format'))[:40]!r} with {str(values)[:60]}"
+        if found.get("format") != FORMAT or not isinstance(found.get("settings"), dict):
+            said = f"{str(found.get('format'))[:40]!r} with {str(found.get('settings'))[:60]}"
             raise FileFormatError(path, "format", found=said, expected=f"{FORMAT!r} with settings")
-        for name in sorted(known ^ values.keys()):
-            said = "nothing" if name in known else "an unknown setting"
-            raise FileFormatError(path, name[:40], found=said, expected=", ".join(sorted(known)))
-        for name, kind in kinds.items():
-            if not isinstance(values[name], kind):
-                raise FileFormatError(path, name, found=str(values[name])[:60], expected=kind.__name__)
-        tuples = {name: tuple(values[name]) for name, kind in kinds.items() if kind is list}
-        settings = LeagueSettings(**{**values, **tuples})
+        settings = LeagueSettings(**read_fields(LeagueSettings, found["settings"], path, whole=True))
         for key, value in provenance(settings.scenario).items():
             if key != "software" and found.get(key) != value:
                 raise FileFormatError(path, key, found=str(found.get(key)), expected=value)
@@ -185,6 +188,27 @@ class League:
                 )
             found[camp] = [by_name[name] for name in names]
         return found
+
+    def standings(self, k: int) -> dict[str, list[Standing]]:
+        """Rows of iteration k's table by camp, the best first.
+
+        Raises:
+            FileFormatError: its table is broken.
+        """
+        path = self.table(k)
+        found, rows = read_json(path).get("standings"), dict[str, list[Standing]]()
+        for camp in CAMPS:
+            listed = found.get(camp) if isinstance(found, dict) else None
+            if not isinstance(listed, list) or not listed:
+                raise FileFormatError(path, f"standings.{camp}", found=str(listed), expected="rows of models")
+            for n, row in enumerate(listed):
+                place = f"standings.{camp}[{n}]"
+                own = read_fields(TableRow, {"parent": None, **_named(row)}, path, place=place, whole=True)
+                if not 0.0 <= own["win_rate"] <= 1.0:
+                    place = f"{place}.win_rate"
+                    raise FileFormatError(path, place, found=str(own["win_rate"]), expected="a share in 0..1")
+                rows.setdefault(camp, []).append(own)
+        return rows
 
     def models(self, k: int) -> Generation:
         """All models of an iteration."""
@@ -426,6 +450,11 @@ class League:
     def env(self) -> dict[str, Any]:
         """Settings of the task env."""
         return env_settings(self.terms(0, 1), self.settings.n_envs)
+
+
+def _named(row: object) -> dict[str, Any]:
+    """A row of a table; an empty one, which lacks everything, in place of what is none."""
+    return row if isinstance(row, dict) else {}
 
 
 def group_name(k: int, i: int, j: int) -> str:

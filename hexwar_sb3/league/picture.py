@@ -12,7 +12,6 @@ from hexwar_sb3.evaluation.intervals import Estimate
 from hexwar_sb3.files import replacing
 from hexwar_sb3.league.league import League
 from hexwar_sb3.league.member import CAMPS
-from hexwar_sb3.reading import read_json
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -74,7 +73,7 @@ def _draw_family(axes: Axes, league: League, camp: str, done: list[int]) -> None
     """A point a kept model, by its place; a line to the model that it was trained from."""
     places: dict[str, int] = {}
     for k in done:
-        parents = {row["name"]: row.get("parent") for row in read_json(league.table(k))["standings"][camp]}
+        parents = {row["name"]: row["parent"] for row in league.standings(k)[camp]}
         now: dict[str, int] = {}
         for place, member in enumerate(league.kept(k)[camp]):
             now.setdefault(member.name, place)

@@ -26,9 +26,11 @@ from hexwar_sb3.league.distil import Lessons
 from hexwar_sb3.league.member import CAMPS, Member, as_member, making
 from hexwar_sb3.league.plans import Plan, Planner, Planning
 from hexwar_sb3.league.work import Opponents, Training, begin, env_steps, job_seed, one_thread
+from hexwar_sb3.maps.scenario import MAX_GAME_TICKS
 from hexwar_sb3.play.frozen import FrozenPolicy
 from hexwar_sb3.play.standing_orders import LedPolicy, StandingOrder
 from hexwar_sb3.reading import read_json
+from hexwar_sb3.tasks.records import MAX_TASKS
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -92,8 +94,9 @@ def read_plan(spec: Search) -> Plan:
         and len(orders) == len(rates) == len(spec.opponents)
         and all(_is_order(one) for one in orders)
         and all(isinstance(rate, float) and 0.0 <= rate <= 1.0 for rate in rates)
+        and found.get("opponents") == [name_of(one) for one, _ in spec.opponents]
     ):
-        expected = f"{len(spec.opponents)} orders and win rates"
+        expected = f"orders and win rates against its {len(spec.opponents)} opponents"
         raise FileFormatError(spec.file, "plan", found=str(found)[:80], expected=expected)
     read = [one and StandingOrder(**{**one, "pieces": tuple(one["pieces"])}) for one in orders]
     return Plan(tuple(read), tuple(rates))
@@ -108,9 +111,9 @@ def _is_order(values: object) -> bool:
     pieces = values["pieces"]
     if not isinstance(pieces, list) or any(piece not in range(MAX_SIDE) for piece in pieces):
         return False
-    return all(
-        type(number) is int and number >= 0 for number in (*pieces, values["spot"], values["ticks_left"])
-    )
+    spot, ticks_left = values["spot"], values["ticks_left"]
+    is_known = spot in range(MAX_TASKS) and ticks_left in range(MAX_GAME_TICKS + 1)
+    return is_known and all(type(number) is int for number in (*pieces, spot, ticks_left))
 
 
 def best_plan(searches: Sequence[Search]) -> tuple[Member, Plan]:

@@ -5,6 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any
 
+from hexwar_sb3.algorithms.preset_file import is_plain, kinds_of
+from hexwar_sb3.algorithms.qmix import QMIX
+from hexwar_sb3.algorithms.ranges import check_ranges
 from hexwar_sb3.bots.registry import BOTS
 from hexwar_sb3.checks import check_whole
 from hexwar_sb3.envs.settings import check_share
@@ -128,12 +131,14 @@ class LeagueSettings:
         return School(lessons=lessons, rounds=self.school_rounds, planning=Planning(trials=trials))
 
     def _check_learner(self) -> None:
+        check_number("learning_rate of the learner", self.learner.get("learning_rate", 0.0))
+        kinds = kinds_of(QMIX)
         for name, value in self.learner.items():
             if name not in LEARNS_BY:
                 raise UnknownNameError("argument of the learner", name, LEARNS_BY)
-            if not isinstance(value, int | float | str | None):
+            if not is_plain(value, kinds[name]):
                 raise ConfigError(f"{name} of the learner is a number or a name, got {value!r}")
-        check_number("learning_rate of the learner", self.learner.get("learning_rate", 0.0))
+        check_ranges(self.learner)
         for name, most in MOST.items():
             check_whole(f"{name} of the learner", self.learner.get(name, 1), least=1, most=most)
 

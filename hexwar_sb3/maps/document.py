@@ -7,8 +7,9 @@ from collections.abc import Collection, Iterator
 from pathlib import Path
 from typing import Any, NoReturn
 
-from hexwar_sb3.errors import ConfigError, FileFormatError
+from hexwar_sb3.errors import ConfigError, FileFormatError, shortened
 from hexwar_sb3.maps.geometry import Cell, parse_cell
+from hexwar_sb3.reading import parse_json, read_bytes
 
 MAX_FILE_BYTES = 2_000_000
 _SHOWN_CHARACTERS = 60  # of a wrong value, in a message
@@ -24,23 +25,33 @@ class Document:
         self.data: dict[str, Any] = data
 
     @classmethod
-    def read(cls, path: Path, error: type[FileFormatError]) -> Document:
+    def read(cls, path: Path, error: type[FileFormatError], expected: str = "a readable file") -> Document:
         """The object in a JSON file.
+
+        Args:
+            path: of the file.
+            error: type of the error.
+            expected: in place of a file that is missing, in words.
 
         Raises:
             FileFormatError: of the type `error`; no such file, too large, or not JSON.
         """
-        return cls(_parse(path, error), str(path), error)
+        content = read_bytes(path, MAX_FILE_BYTES, error, expected)
+        return cls(parse_json(content, path, "an object", error, "file"), str(path), error)
 
     def fail(self, place: str, found: str, expected: str) -> NoReturn:
         """Refuse this document."""
         raise self.error(self.source, place, found=found, expected=expected)
 
-    def only(self, required: Collection[str], optional: Collection[str] = ()) -> None:
-        """Refuse missing and unknown keys."""
+    def has(self, *required: str) -> None:
+        """Refuse missing keys."""
         for key in required:
             if key not in self.data:
                 self.fail(self.place, f"no {key!r}", f"the keys {', '.join(required)}")
+
+    def only(self, required: Collection[str], optional: Collection[str] = ()) -> None:
+        """Refuse missing and unknown keys."""
+        self.has(*required)
         for key in self.data:
             if key not in required and key not in optional:
                 known = ", ".join((*required, *optional))
@@ -76,7 +87,7 @@ class Document:
         try:
             return parse_cell(name, width, height)
         except ConfigError as problem:
-            self.fail(self.at(key), shown(name), str(problem))
+            self.fail(self.at(key), shown(name), shortened(str(problem)))
 
     def flag(self, key: str) -> bool:
         """True or false; false if absent."""
@@ -111,32 +122,5 @@ class Document:
 
 def shown(value: object) -> str:
     """A value as JSON, cut to a readable length."""
-    text = json.dumps(value, ensure_ascii=False)
+    text = json.dumps(value, ensure_ascii=False, default=repr)
     return text if len(text) <= _SHOWN_CHARACTERS else text[:_SHOWN_CHARACTERS] + "..."
-
-
-def _parse(path: Path, error: type[FileFormatError]) -> object:
-    try:
-        with path.open("rb") as file:
-            content = file.read(MAX_FILE_BYTES + 1)
-    except OSError as problem:
-        found = problem.strerror or type(problem).__name__
-        raise error(path, "file", found=found, expected="a readable file") from problem
-    if len(content) > MAX_FILE_BYTES:
-        found, expected = f"more than {MAX_FILE_BYTES} bytes", f"at most {MAX_FILE_BYTES}"
-        raise error(path, "file", found=found, expected=expected)
-    try:
-        return json.loads(content.decode(), object_pairs_hook=_no_repeated_keys)
-    except json.JSONDecodeError as problem:
-        place = f"line {problem.lineno}, column {problem.colno}"
-        raise error(path, place, found=problem.msg, expected="JSON") from problem
-    except (ValueError, RecursionError) as problem:  # bad UTF-8, repeated key, endless nesting
-        raise error(path, "file", found=str(problem), expected="JSON in UTF-8") from problem
-
-
-def _no_repeated_keys(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-    data = dict(pairs)
-    if len(data) < len(pairs):
-        keys = [key for key, _ in pairs]
-        raise ValueError(f"the key {next(k for k in keys if keys.count(k) > 1)!r} twice")
-    return data

@@ -47,7 +47,7 @@ class HexMap:
         sides = range(MIN_SIDE_CELLS, MAX_SIDE_CELLS + 1)
         if self.elev_m.ndim != 2 or self.width not in sides or self.height not in sides:
             raise ConfigError(f"map of shape {self.elev_m.shape}; expected two sides of 3 to 99 cells")
-        if (self.elev_m % self.grade_m).any():
+        if self.grade_m < 1 or (self.elev_m % self.grade_m).any():
             raise ConfigError(f"an altitude is no multiple of grade_m = {self.grade_m}")
         for layer in LAYERS:
             self._check_layer(layer)

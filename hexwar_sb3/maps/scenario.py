@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
@@ -102,9 +102,10 @@ class Scenario:
 
 def problems(scenario: Scenario) -> Iterator[Problem]:
     """Everything that contradicts the rule book's start (section 1), lazily."""
+    homes = {(piece.camp, piece.name): piece for piece in reversed(scenario.pieces)}
     for piece in scenario.pieces:
         yield from _place_problems(piece, scenario.hexmap)
-        yield from _home_problems(piece, scenario)
+        yield from _home_problems(piece, homes, scenario.hexmap)
     yield from _camp_problems(scenario.pieces)
     yield from _crowd_problems(scenario)
     yield from _point_problems(scenario)
@@ -133,7 +134,9 @@ def _ground_problems(place: str, cell: int, hexmap: HexMap) -> Iterator[Problem]
         yield Problem(place, f"slushy cell {name}", "a dry start")
 
 
-def _home_problems(piece: PieceStart, scenario: Scenario) -> Iterator[Problem]:
+def _home_problems(
+    piece: PieceStart, homes: Mapping[tuple[Camp, str], PieceStart], hexmap: HexMap
+) -> Iterator[Problem]:
     place = f"piece {piece}"
     if piece.home is None:
         if piece.aboard:
@@ -141,11 +144,11 @@ def _home_problems(piece: PieceStart, scenario: Scenario) -> Iterator[Problem]:
         return
     if piece.kind != PieceType.SOLDIER:
         yield Problem(place, f"home {piece.home!r}", "a home for soldiers only")
-    homes = [p for p in scenario.pieces if (p.camp, p.name) == (piece.camp, piece.home)]
-    if not homes or homes[0].kind != PieceType.CHARIOT:
+    home = homes.get((piece.camp, piece.home))
+    if home is None or home.kind != PieceType.CHARIOT:
         yield Problem(place, f"home {piece.home!r}", "a chariot of its camp")
-    elif piece.aboard and homes[0].cell != piece.cell:
-        yield Problem(place, f"cell {scenario.hexmap.cell_name(piece.cell)}", "its chariot's cell")
+    elif piece.aboard and home.cell != piece.cell:
+        yield Problem(place, f"cell {hexmap.cell_name(piece.cell)}", "its chariot's cell")
 
 
 def _camp_problems(pieces: tuple[PieceStart, ...]) -> Iterator[Problem]:

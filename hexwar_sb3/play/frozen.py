@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import os
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -14,8 +15,9 @@ from hexwar_sb3.errors import ConfigError, PolicyFileError
 from hexwar_sb3.play.lower_policy import FOLDER as LOWER_FOLDER
 from hexwar_sb3.play.lower_policy import HEURISTIC_LOWER, FrozenLower, Lower, make_lower
 from hexwar_sb3.play.network import Net, best_tasks
-from hexwar_sb3.play.policy_files import CONFIG_FILE, PolicyFormat, Weights, remove_policy
+from hexwar_sb3.play.policy_files import CONFIG_FILE, WEIGHTS_FILE, PolicyFormat, Weights, remove_policy
 
+HAS_LOWER = "lower"  # in the config: whether `lower/` is a part of the policy
 LAYERS: dict[str, tuple[str, ...]] = {  # Fig. 4(b)
     "piece.weight": ("hidden", "obs"),
     "piece.bias": ("hidden",),
@@ -54,7 +56,7 @@ class FrozenPolicy:
         about: Mapping[str, str] | None = None,
         lower: Lower = HEURISTIC_LOWER,
     ) -> None:
-        self.weights = {name: np.asarray(weights[name], dtype=np.float32) for name in LAYERS}
+        self.weights = FORMAT.as_weights(weights)
         self.n_pieces, self.n_tasks, self.about = n_pieces, n_tasks, dict(about or {})
         self.lower = make_lower(lower)
         self.sizes = FORMAT.sizes(self.weights)
@@ -129,11 +131,13 @@ class FrozenPolicy:
     def save(self, folder: str | Path) -> None:
         """Write the folder `config.json` + `weights.safetensors`, and `lower/` if it has a network of its own."""
         folder = Path(folder)
+        has_lower = isinstance(self.lower, FrozenLower)
         if isinstance(self.lower, FrozenLower):
             self.lower.save(folder / LOWER_FOLDER)
         else:
             remove_policy(folder / LOWER_FOLDER)
-        FORMAT.save(folder, self.weights, self.about, {"n_pieces": self.n_pieces, "n_tasks": self.n_tasks})
+        numbers = {"n_pieces": self.n_pieces, "n_tasks": self.n_tasks}
+        FORMAT.save(folder, self.weights, self.about, {**numbers, HAS_LOWER: has_lower})
 
     @classmethod
     def load(cls, folder: str | Path, rules: str | None = None) -> FrozenPolicy:
@@ -157,7 +161,7 @@ class FrozenPolicy:
                 found=f"{trained!r}",
                 expected=f"{rules!r}, the rules of this game",
             )
-        has_lower = (folder / LOWER_FOLDER / CONFIG_FILE).is_file()
+        has_lower = _has_lower(folder, config)
         lower: Lower = FrozenLower.load(folder / LOWER_FOLDER) if has_lower else HEURISTIC_LOWER
         return cls(
             weights,
@@ -166,6 +170,24 @@ class FrozenPolicy:
             about=config["about"],
             lower=lower,
         )
+
+
+def _has_lower(folder: Path, config: Mapping[str, Any]) -> bool:
+    """Whether the policy has a lower level of its own: its config says so, or, in older folders, a part of one lies there.
+
+    Raises:
+        PolicyFileError: config and folder contradict each other.
+    """
+    place = folder / LOWER_FOLDER
+    files = [place / CONFIG_FILE, place / WEIGHTS_FILE] if place.is_dir() else [place]
+    lies_there, said = any(map(os.path.lexists, files)), config.get(HAS_LOWER)
+    if said is None and HAS_LOWER not in config:
+        return lies_there
+    if not isinstance(said, bool):
+        raise PolicyFileError(folder / CONFIG_FILE, HAS_LOWER, found=repr(said), expected="true or false")
+    if lies_there and not said:
+        raise PolicyFileError(place, "file", found="a lower level", expected=f"none, as {CONFIG_FILE} says")
+    return said
 
 
 def _as_net(weights: Weights) -> Net:

@@ -61,7 +61,7 @@ class FrozenLower:
         tie: float = 0.0,
         about: Mapping[str, str] | None = None,
     ) -> None:
-        self.weights = {name: np.asarray(weights[name], np.float32) for name in FORMAT.layers}
+        self.weights = FORMAT.as_weights(weights)
         self.ways, self.tie = ways, tie
         self.about = {**(about or {}), "features": FEATURES, "ways": "yes" if ways else "no", "tie": str(tie)}
         problem = FORMAT.why_unusable(self.weights, SIZES)
@@ -114,6 +114,9 @@ class FrozenLower:
                 found=f"{about.get('features')!r}, sizes {config['sizes']}",
                 expected=f"{FEATURES!r}, sizes {SIZES}: train the lower level anew",
             )
+        if about.get("ways") not in ("yes", "no"):
+            found = repr(about.get("ways"))
+            raise PolicyFileError(Path(folder) / CONFIG_FILE, "about.ways", found=found, expected="yes or no")
         tie = about.get("tie", "0.0")
         try:
             return cls(weights, ways=about.get("ways") == "yes", tie=float(tie), about=about)

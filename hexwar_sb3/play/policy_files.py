@@ -14,11 +14,14 @@ import safetensors.numpy
 from numpy.typing import NDArray
 from safetensors import SafetensorError
 
-from hexwar_sb3.errors import PolicyFileError
+from hexwar_sb3.errors import ConfigError, PolicyFileError
 from hexwar_sb3.files import replacing
+from hexwar_sb3.reading import parse_json, read_bytes, read_json
 
 CONFIG_FILE, WEIGHTS_FILE = "config.json", "weights.safetensors"
-MAX_CONFIG_BYTES, MAX_WEIGHTS_BYTES = 1 << 16, 1 << 24
+MAX_CONFIG_BYTES, MAX_HEADER_BYTES, MAX_WEIGHTS_BYTES = 1 << 16, 1 << 16, 1 << 24
+DTYPE = "F32"  # of all arrays, as safetensors calls it
+METADATA = "__metadata__"  # key of its header that names no array
 MAX_SIZE = 4096  # of any axis
 
 Weights = Mapping[str, NDArray[np.float32]]
@@ -39,6 +42,21 @@ class PolicyFormat:
         """Names of all axes."""
         return {axis for axes in self.layers.values() for axis in axes}
 
+    def as_weights(self, weights: Mapping[str, Any]) -> dict[str, NDArray[np.float32]]:
+        """The arrays by name as they are saved: float32 of this machine, the last axis fastest.
+
+        Raises:
+            ConfigError: one is missing, or holds no real numbers.
+        """
+        found: dict[str, NDArray[np.float32]] = {}
+        for name in self.layers:
+            array = np.asarray(weights.get(name))
+            if array.dtype.kind not in "fiu":
+                raise ConfigError(f"{name} holds {array.dtype}, expected real numbers")
+            with np.errstate(over="ignore"):  # what is too large is not finite, and refused
+                found[name] = np.asarray(array, np.float32, order="C")
+        return found
+
     def sizes(self, weights: Weights) -> Sizes:
         """Length of each named axis, from the first weight that has it."""
         found: Sizes = {}
@@ -57,13 +75,20 @@ class PolicyFormat:
                 return f"{name} holds numbers that are not finite"
         return None
 
-    def save(self, folder: Path, weights: Weights, about: Mapping[str, str], numbers: Sizes) -> None:
-        """Write the two files, each at once or not at all."""
-        data = safetensors.numpy.save(dict(weights))
+    def save(self, folder: Path, weights: Weights, about: Mapping[str, str], more: Mapping[str, int]) -> None:
+        """Write the two files, each at once or not at all.
+
+        Args:
+            folder: gets them.
+            weights: the arrays.
+            about: what it was trained on.
+            more: further words of the config, its numbers among them.
+        """
+        data = safetensors.numpy.save(self.as_weights(weights))
         config = {
             "format": self.name,
             "version": self.version,
-            **numbers,
+            **more,
             "sizes": self.sizes(weights),
             "weights_sha256": hashlib.sha256(data).hexdigest(),
             "about": dict(about),
@@ -82,17 +107,12 @@ class PolicyFormat:
         return config, self._read_weights(folder / WEIGHTS_FILE, config)
 
     def _read_config(self, path: Path) -> dict[str, Any]:
-        data = _read(path, MAX_CONFIG_BYTES)
-        try:
-            config = json.loads(data)
-        except (ValueError, RecursionError) as error:
-            raise PolicyFileError(path, "text", found=str(error), expected="JSON") from error
-        named = (config.get("format"), config.get("version")) if isinstance(config, dict) else None
-        if named != (self.name, self.version):
+        config = read_json(path, "a policy's config", PolicyFileError, MAX_CONFIG_BYTES)
+        if (config.get("format"), config.get("version")) != (self.name, self.version):
             expected = f"{self.name!r}, version {self.version}"
             raise PolicyFileError(path, "format", found="something else", expected=expected)
         self._check_config(path, config)
-        return dict(config)
+        return config
 
     def _check_config(self, path: Path, config: dict[str, Any]) -> None:
         sizes = config.get("sizes")
@@ -107,33 +127,41 @@ class PolicyFormat:
             raise PolicyFileError(path, "about", found=repr(about), expected="texts by name")
 
     def _read_weights(self, path: Path, config: dict[str, Any]) -> dict[str, NDArray[np.float32]]:
-        data = _read(path, MAX_WEIGHTS_BYTES)
+        data = read_bytes(path, MAX_WEIGHTS_BYTES, PolicyFileError)
         if hashlib.sha256(data).hexdigest() != config.get("weights_sha256"):
             expected = "those that config.json was written with"
             raise PolicyFileError(path, "sha256", found="other weights", expected=expected)
+        self._check_header(path, data)
         try:
             weights: dict[str, NDArray[np.float32]] = safetensors.numpy.load(data)
-        except (SafetensorError, ValueError, KeyError) as error:
+        except (SafetensorError, ValueError, LookupError, TypeError, OverflowError, MemoryError) as error:
             raise PolicyFileError(path, "file", found=str(error), expected="safetensors") from error
-        if set(weights) != set(self.layers):
-            raise PolicyFileError(
-                path, "arrays", found=str(sorted(weights)), expected=str(sorted(self.layers))
-            )
         problem = self.why_unusable(weights, config["sizes"])
         if problem:
             expected = "the shapes of config.json, finite numbers"
             raise PolicyFileError(path, "arrays", found=problem, expected=expected)
         return weights
 
-
-def _read(path: Path, limit: int) -> bytes:
-    try:
-        size = path.stat().st_size
-        if size > limit:
-            raise PolicyFileError(path, "file size", found=f"{size} bytes", expected=f"at most {limit}")
-        return path.read_bytes()
-    except OSError as error:
-        raise PolicyFileError(path, "file", found=str(error), expected="a readable file") from error
+    def _check_header(self, path: Path, data: bytes) -> None:
+        """What the file says of its arrays: these names, each once, as 32-bit floats."""
+        size = int.from_bytes(data[:8], "little")
+        if not 0 < size <= min(len(data) - 8, MAX_HEADER_BYTES):
+            found, expected = (
+                f"a header of {size} bytes",
+                f"safetensors with one of at most {MAX_HEADER_BYTES}",
+            )
+            raise PolicyFileError(path, "file", found=found, expected=expected)
+        header = parse_json(data[8 : 8 + size], path, "safetensors with a header", PolicyFileError, "header")
+        if not isinstance(header, dict):
+            raise PolicyFileError(path, "header", found=type(header).__name__, expected="arrays by name")
+        arrays = {name: one for name, one in header.items() if name != METADATA}
+        if set(arrays) != set(self.layers):
+            found, expected = str(sorted(arrays)), str(sorted(self.layers))
+            raise PolicyFileError(path, "arrays", found=found, expected=expected)
+        for name, one in arrays.items():
+            dtype = one.get("dtype") if isinstance(one, dict) else None
+            if dtype != DTYPE:
+                raise PolicyFileError(path, name, found=f"dtype {dtype!r}", expected=f"{DTYPE!r}")
 
 
 def remove_policy(folder: Path) -> None:

@@ -120,7 +120,6 @@ def count_visits(replay: Replay, world: World) -> Ints:
         if line["type"] == "event" and line.get("kind") in (*_COMES, *_GOES):
             stays.follow(Document(line, str(replay.source), ReplayFileError, f"line {number}"))
     end = Document(replay.end, str(replay.source), ReplayFileError, "end")
-    end.only(("tick",), tuple(end.data))
     stays.end(end.integer("tick", 0, world.scenario.game_ticks))
     return stays.visits
 
@@ -137,7 +136,7 @@ class _Stays:
 
     def follow(self, event: Document) -> None:
         """Take in an event by which a piece comes or goes."""
-        event.only(("kind", "tick", "piece", "cell"), tuple(event.data))
+        event.has("kind", "tick", "piece", "cell")
         hexmap = self.world.scenario.hexmap
         name = event.choice("piece", self.pieces)
         tick = event.integer("tick", 0, self.world.scenario.game_ticks)

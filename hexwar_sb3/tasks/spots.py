@@ -20,7 +20,7 @@ from hexwar_sb3.maps.document import Document
 from hexwar_sb3.maps.travel import TOO_FAR
 from hexwar_sb3.rules.enums import Camp
 from hexwar_sb3.tasks.records import MAX_TASKS
-from hexwar_sb3.tasks.spots_file import SCHEMA, HotSpots, read_spots
+from hexwar_sb3.tasks.spots_file import SCHEMA, HotSpots, read_spots, spots_from
 
 Bools = npt.NDArray[np.bool_]
 Floats = npt.NDArray[np.float64]
@@ -107,13 +107,13 @@ def static_spots(world: World, camp: int, k: int) -> list[int]:
 def _shipped(world: World) -> HotSpots | None:
     """The shipped hot spots of this map; None without a file, or if it is of other content."""
     hexmap = world.scenario.hexmap
-    path = FOLDER / f"{hexmap.name}.json"
-    if not path.is_file():
+    shipped = {path.stem: path for path in FOLDER.glob("*.json")}  # a map's name, a stranger's, is no path
+    if hexmap.name not in shipped:
         return None
-    head = Document.read(path, FileFormatError).data
-    if (head.get("schema"), head.get("map_hash")) != (SCHEMA, hexmap.hash):
+    document = Document.read(shipped[hexmap.name], FileFormatError)
+    if (document.data.get("schema"), document.data.get("map_hash")) != (SCHEMA, hexmap.hash):
         return None
-    return read_spots(path, hexmap)
+    return spots_from(document, hexmap)
 
 
 def _named(world: World, k: int, path: Path) -> HotSpots:

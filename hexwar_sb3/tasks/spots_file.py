@@ -9,6 +9,7 @@ the control points are G^L(k)), `hull` (corner cells of G^B, in order) and `visi
 from __future__ import annotations
 
 import json
+from collections import Counter
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -67,8 +68,12 @@ def read_spots(path: str | Path, hexmap: HexMap) -> HotSpots:
     Raises:
         FileFormatError: the file cannot be used, or is of another map; it says where and why.
     """
-    document = Document.read(Path(path), FileFormatError)
-    document.only(("schema",), tuple(document.data))
+    return spots_from(Document.read(Path(path), FileFormatError), hexmap)
+
+
+def spots_from(document: Document, hexmap: HexMap) -> HotSpots:
+    """The hot spots of a map that a document describes; its error if it describes none."""
+    document.has("schema")
     document.integer("schema", SCHEMA, SCHEMA)
     document.only(_KEYS)
     if document.text("map_hash") != hexmap.hash:
@@ -98,6 +103,8 @@ def _read_camp(document: Document, camp: str, hexmap: HexMap) -> CampSpots:
     part.only(("cells", "hull", "visits"))
     cells, hull = (_read_cells(part, key, hexmap) for key in ("cells", "hull"))
     visits = Document(part.data["visits"], part.source, part.error, part.at("visits"))
+    if len(visits.data) > hexmap.n_cells:
+        visits.fail(visits.place, f"{len(visits.data)} entries", "a cell of the map each")
     counted = {
         int(visits.cell(name, name, hexmap.width, hexmap.height)): visits.integer(name, 1, _MAX_VISITS)
         for name in visits.data
@@ -107,9 +114,9 @@ def _read_camp(document: Document, camp: str, hexmap: HexMap) -> CampSpots:
 
 def _read_cells(part: Document, key: str, hexmap: HexMap) -> tuple[int, ...]:
     names = part.texts(key, range(hexmap.n_cells))
-    for name in names:
-        if names.count(name) > 1:
-            part.fail(part.at(key), f"{shown(name)} twice", "each cell once")
+    if len(set(names)) < len(names):
+        twice = next(name for name, times in Counter(names).items() if times > 1)
+        part.fail(part.at(key), f"{shown(twice)} twice", "each cell once")
     return tuple(part.cell(key, name, hexmap.width, hexmap.height) for name in names)
 
 

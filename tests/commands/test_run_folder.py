@@ -1,12 +1,14 @@
 from __future__ import annotations
 
+import json
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from hexwar_sb3.commands.run_folder import RunFolder
 from hexwar_sb3.commands.train import Train, settings_from
-from hexwar_sb3.errors import FileFormatError
+from hexwar_sb3.errors import FileFormatError, HexWarError
 
 
 def test_each_run_gets_the_next_free_number(tmp_path: Path) -> None:
@@ -34,9 +36,28 @@ def test_minutes_of_earlier_parts_count(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("{", "config.json: text: found Expecting property name"),
+        ("{", "config.json: text, line 1, column 2: found Expecting property name"),
         ("[]", "config.json: file: found list; expected a run.s settings"),
         ('{"n_timestep": 7}', "config.json: n_timestep: found an unknown setting"),
+        ('{"n_timesteps": "x"}', "config.json: n_timesteps: found 'x'; expected a whole number"),
+        ('{"n_timesteps": 0}', "config.json: settings: found n_timesteps must be at least 1"),
+        ('{"seed": null}', "config.json: seed: found None; expected a whole number"),
+        ('{"seed": -1}', "config.json: settings: found seed must be in"),
+        ('{"n_envs": 1000000000}', "config.json: settings: found n_envs must be at most 1024"),
+        ('{"n_envs": true}', "config.json: n_envs: found True; expected a whole number or null"),
+        ('{"opponents": "MA1"}', "config.json: opponents: found 'MA1'; expected a list"),
+        ('{"opponents": []}', "config.json: settings: found name at least one opponent"),
+        ('{"side": "green"}', "config.json: side: found 'green'; expected 'red' or 'blue' or 'both'"),
+        ('{"learning_rate": NaN}', "config.json: text: found NaN, which is no number"),
+        ('{"learning_rate": -1.0}', "config.json: settings: found learning_rate must be above 0"),
+        ('{"runs": 7}', "config.json: runs: found 7; expected a path"),
+        ('{"preset": "x"}', "config.json: settings: found unknown preset 'x'"),
+        (
+            '{"scenario": "a\\u0000b", "lower_scenarios": ["plain"]}',
+            "config.json: settings: found unknown scenario",
+        ),
+        ('{"name": "../x"}', "config.json: settings: found name must be of letters"),
+        ('{"seed": 1, "seed": 2}', "config.json: text: found the key 'seed' twice"),
     ],
 )
 def test_broken_settings_say_where_and_what(tmp_path: Path, text: str, message: str) -> None:
@@ -44,3 +65,35 @@ def test_broken_settings_say_where_and_what(tmp_path: Path, text: str, message: 
 
     with pytest.raises(FileFormatError, match=message):
         settings_from(RunFolder(tmp_path))
+
+
+def test_nothing_but_our_errors_comes_of_bad_settings(tmp_path: Path, bad: Any) -> None:
+    folder = RunFolder(tmp_path)
+    folder.write_config(Train(n_timesteps=7, alpha=0.1, phase_ticks=(1, 2), runs=tmp_path), "hexwar train")
+    refused = 0
+    for content in bad(json.loads(folder.config.read_text())):
+        folder.config.write_bytes(content)
+        try:
+            settings_from(folder)
+        except (HexWarError, OSError):
+            refused += 1
+    assert refused > 300
+
+
+BAD_LOGS = {
+    "no number": b"time/time_elapsed,x\nsoon,1\n",
+    "NaN": b"time/time_elapsed,x\nnan,1\n",
+    "infinity": b"time/time_elapsed,x\n1e999,1\n",
+    "no such column": b"x\n1\n",
+    "a field of megabytes": b"time/time_elapsed,x\n1," + b"9" * 200_000 + b"\n",
+    "no text": b"time/time_elapsed,x\n\xff\xfe,1\n",
+    "more fields than the head": b"time/time_elapsed\n1,2,3\n",
+    "more than 4 MB": b"time/time_elapsed\n" + b"1\n" * 3_000_000,
+}
+
+
+@pytest.mark.parametrize("what", BAD_LOGS)
+def test_a_broken_log_is_named(what: str, tmp_path: Path) -> None:
+    (tmp_path / "progress_1.csv").write_bytes(BAD_LOGS[what])
+    with pytest.raises(FileFormatError, match=r"progress_1\.csv"):
+        RunFolder(tmp_path).minutes_before()

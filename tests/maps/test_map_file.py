@@ -147,14 +147,18 @@ def test_a_broken_map_names_place_found_and_expected(case: str, tmp_path: Path) 
 
 
 FILES = {
-    "not JSON": (b"{ 'format'", "line 1, column 3", "expected JSON"),
-    "empty": (b"", "line 1, column 1", "expected JSON"),
-    "cut off": (json.dumps(small_document()).encode()[:90], "line 1, column", "expected JSON"),
+    "not JSON": (b"{ 'format'", "file, line 1, column 3", "expected an object as JSON"),
+    "empty": (b"", "file, line 1, column 1", "expected an object as JSON"),
+    "cut off": (
+        json.dumps(small_document()).encode()[:90],
+        "file, line 1, column",
+        "expected an object as JSON",
+    ),
     "a list": (b"[]", "file", "[]; expected an object"),
-    "not UTF-8": (b"\xff\xfe{}", "file", "expected JSON in UTF-8"),
+    "not UTF-8": (b"\xff\xfe{}", "file", "expected an object as JSON in UTF-8"),
     "a key twice": (b'{"width": 3, "width": 4}', "file", "the key 'width' twice"),
-    "nested without end": (b"[" * 200_000, "file", "expected JSON"),
-    "a number of 10,000 digits": (b'{"width": ' + b"9" * 10_000 + b"}", "file", "expected JSON"),
+    "nested without end": (b"[" * 200_000, "file", "expected an object as JSON"),
+    "a number of 10,000 digits": (b'{"width": ' + b"9" * 10_000 + b"}", "file", "expected an object as JSON"),
     "3 MB of zeros": (bytes(3_000_000), "file", "more than 2000000 bytes"),
 }
 

@@ -187,7 +187,7 @@ BROKEN: dict[str, tuple[Edit, str, str]] = {
     "endless game": (top(game_ticks=10**6), "game_ticks", "1000000; expected a whole number from 1 to 30000"),
     "net_score as number": (top(net_score=1), "net_score", "1; expected true or false"),
     "edited but not its hash": (top(hash="abc"), "hash", '"abc"; expected "'),
-    "unknown map": (top(map="plian"), "map", "'plian'; expected unknown map 'plian'; did you mean 'plain'?"),
+    "unknown map": (top(map="plian"), "map", "or a .json file beside the scenario; did you mean 'plain'?"),
     "map elsewhere": (top(map="../../etc/x.json"), "map", "expected a file in the scenario's own folder"),
     "pieces no list": (top(pieces={}), "pieces", "{}; expected a list"),
     "one piece": (lambda d: d["pieces"].__delitem__(slice(1, None)), "pieces", "1 entries; expected 2 to 32"),

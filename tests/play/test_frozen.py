@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import json
+import os
+import shutil
 from collections.abc import Callable
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -13,8 +16,9 @@ import safetensors.numpy
 from gymnasium import spaces
 from numpy.typing import NDArray
 
-from hexwar_sb3.errors import ConfigError, PolicyFileError
+from hexwar_sb3.errors import ConfigError, HexWarError, PolicyFileError
 from hexwar_sb3.play.frozen import FrozenPolicy
+from hexwar_sb3.play.lower_policy import FrozenLower, fastest_way_network
 from hexwar_sb3.play.player import make_player
 from hexwar_sb3.policies.task_policy import TaskPolicy
 
@@ -128,10 +132,16 @@ SIZES = {"obs": OBS, "task": TASK, "hidden": 64, "embed": 32, "one": 1}
 @pytest.mark.parametrize(
     ("damage", "message"),
     [
-        (write("config.json", b"{"), "config.json: text: found .*; expected JSON"),
+        (
+            write("config.json", b"{"),
+            "config.json: text, line 1, column 2: found .*; expected a policy's config as JSON",
+        ),
         (write("config.json", b"[" * 60_000), "config.json: text: found maximum recursion depth"),
-        (write("config.json", b"[]"), "config.json: format: found something else"),
-        (write("config.json", b" " * 70_000), "config.json: file size: found 70000 bytes; expected at most"),
+        (write("config.json", b"[]"), "config.json: file: found list; expected a policy's config"),
+        (
+            write("config.json", b" " * 70_000),
+            "config.json: file size: found more than 65536 bytes; expected at most 65536",
+        ),
         (change("version", 9), "expected 'hexwar task policy', version 1"),
         (change("n_pieces", 0), "config.json: n_pieces: found 0; expected a whole number from 1 to 4096"),
         (change("n_tasks", 10**9), "n_tasks: found 1000000000; expected a whole number from 1 to 4096"),
@@ -146,7 +156,7 @@ SIZES = {"obs": OBS, "task": TASK, "hidden": 64, "embed": 32, "one": 1}
         (write("weights.safetensors", b""), "weights.safetensors: sha256: found other weights"),
         (
             write("weights.safetensors", b"\0" * (1 << 24) + b"\0"),
-            "weights.safetensors: file size: found 16777217",
+            "weights.safetensors: file size: found more than 16777216 bytes; expected at most 16777216",
         ),
         (
             lambda folder: (folder / "weights.safetensors").unlink(),
@@ -214,3 +224,170 @@ def test_a_policy_trained_under_other_rules_is_not_seated(folder: Path) -> None:
 def test_a_policy_that_names_no_rules_may_play_by_any(policy: TaskPolicy, tmp_path: Path) -> None:
     policy.freeze().save(tmp_path / "unnamed")
     assert isinstance(make_player(tmp_path / "unnamed"), FrozenPolicy)
+
+
+# --- a stranger's folder -------------------------------------------------------------------------
+
+
+def sealed(folder: Path, data: bytes) -> None:
+    """Put these bytes in place of the weights, with a config that vouches for them."""
+    import hashlib
+
+    (folder / "weights.safetensors").write_bytes(data)
+    change("weights_sha256", hashlib.sha256(data).hexdigest())(folder)
+
+
+def with_header(folder: Path, header: bytes) -> bytes:
+    """The weights' bytes under another header."""
+    data = (folder / "weights.safetensors").read_bytes()
+    return len(header).to_bytes(8, "little") + header + data[8 + int.from_bytes(data[:8], "little") :]
+
+
+def header_of(folder: Path) -> dict[str, Any]:
+    data = (folder / "weights.safetensors").read_bytes()
+    return dict(json.loads(data[8 : 8 + int.from_bytes(data[:8], "little")]))
+
+
+def test_nothing_but_our_errors_comes_of_a_bad_config(folder: Path, bad: Any) -> None:
+    config = json.loads((folder / "config.json").read_text())
+    refused = 0
+    for content in bad(config):
+        (folder / "config.json").write_bytes(content)
+        try:
+            FrozenPolicy.load(folder)
+        except (HexWarError, OSError):
+            refused += 1
+    assert refused > 100
+
+
+def test_nothing_but_our_errors_comes_of_a_bad_header(folder: Path, bad: Any) -> None:
+    header = header_of(folder)
+    start = {"piece.bias": header["piece.bias"], **header}
+    refused = 0
+    whole = (folder / "weights.safetensors").read_bytes()
+    for content in islice(bad(start), 0, None, 2):
+        (folder / "weights.safetensors").write_bytes(whole)
+        sealed(folder, with_header(folder, content))
+        try:
+            FrozenPolicy.load(folder)
+        except (HexWarError, OSError):
+            refused += 1
+    assert refused > 100
+
+
+@pytest.mark.parametrize("dtype", ["I32", "F64", "F16", "BF16", "C64", "U8", "", None, ["F32"]])
+def test_weights_declared_as_anything_but_32_bit_floats_are_refused(folder: Path, dtype: object) -> None:
+    header = header_of(folder)
+    header["piece.bias"]["dtype"] = dtype
+    sealed(folder, with_header(folder, json.dumps(header).encode()))
+    with pytest.raises(PolicyFileError, match=r"piece\.bias: found dtype .*; expected 'F32'"):
+        FrozenPolicy.load(folder)
+
+
+def test_an_array_twice_is_refused_and_further_words_are_not(folder: Path) -> None:
+    text = json.dumps(header_of(folder))
+    worded = text.replace("{", '{"__metadata__": {"made": "here"}, ', 1)
+    sealed(folder, with_header(folder, worded.encode()))
+    assert FrozenPolicy.load(folder).n_pieces == PIECES
+    twice = text[:-1] + ', "piece.bias": ' + json.dumps(header_of(folder)["piece.bias"]) + "}"
+    sealed(folder, with_header(folder, twice.encode()))
+    with pytest.raises(PolicyFileError, match=r"header: found the key 'piece\.bias' twice"):
+        FrozenPolicy.load(folder)
+
+
+def test_a_key_twice_in_the_config_is_refused(folder: Path) -> None:
+    text = (folder / "config.json").read_text()
+    (folder / "config.json").write_text(text.replace("{", '{"version": 1, ', 1))
+    with pytest.raises(PolicyFileError, match="the key 'version' twice"):
+        FrozenPolicy.load(folder)
+
+
+FORMS: dict[str, Callable[[NDArray[np.float32]], NDArray[Any]]] = {
+    "another memory order": np.asfortranarray,
+    "a view": lambda array: np.repeat(array, 2, axis=-1)[..., ::2],
+    "another byte order": lambda array: array.astype(">f4"),
+    "64 bits": lambda array: array.astype(np.float64),
+    "backwards": lambda array: array[::-1].copy()[::-1],
+}
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_weights_in_any_form_come_back_as_they_play(form: str, policy: TaskPolicy, tmp_path: Path) -> None:
+    """Safetensors writes the bytes as they lie, whatever order they are in."""
+    frozen, obs = policy.freeze(), observe()
+    weights = {name: FORMS[form](array) for name, array in frozen.weights.items()}
+    other = FrozenPolicy(weights, n_pieces=PIECES, n_tasks=TASKS)
+    other.save(tmp_path / "saved")
+    other.weights["embed.weight"] = np.asfortranarray(other.weights["embed.weight"])  # after it was made, too
+    other.save(tmp_path / "again")
+    for name in ("saved", "again"):
+        loaded = FrozenPolicy.load(tmp_path / name)
+        assert loaded.sha256 == frozen.sha256
+        assert (loaded.act(obs) == frozen.act(obs)).all()
+
+
+@pytest.mark.parametrize("value", [1j, np.nan, np.inf, 1e300, "x", None])
+def test_weights_that_are_no_real_numbers_are_refused_when_a_policy_is_made(
+    policy: TaskPolicy, value: Any
+) -> None:
+    weights = {**policy.freeze().weights, "piece.bias": np.full(64, value)}
+    with pytest.raises(ConfigError, match=r"piece\.bias holds"):
+        FrozenPolicy(weights, n_pieces=PIECES, n_tasks=TASKS)
+
+
+@pytest.fixture
+def led(policy: TaskPolicy, tmp_path: Path) -> Path:
+    """Folder of a policy with a lower level of its own."""
+    policy.freeze(rules="abc").led_by(fastest_way_network()).save(tmp_path / "led")
+    return tmp_path / "led"
+
+
+LOWERS: dict[str, Callable[[Path], object]] = {
+    "no config": lambda lower: (lower / "config.json").unlink(),
+    "no weights": lambda lower: (lower / "weights.safetensors").unlink(),
+    "gone": shutil.rmtree,
+    "a file": lambda lower: (shutil.rmtree(lower), lower.write_text("{}")),
+    "a broken link": lambda lower: (shutil.rmtree(lower), lower.symlink_to("nowhere")),
+    "a link to itself": lambda lower: (shutil.rmtree(lower), lower.symlink_to(lower)),
+}
+
+
+@pytest.mark.parametrize("says", ["new", "old"])
+@pytest.mark.parametrize("what", LOWERS)
+def test_a_lower_level_of_which_a_part_is_gone_is_refused(what: str, says: str, led: Path) -> None:
+    """The heuristic does not play in its place; older folders do not say that they have one."""
+    if says == "old":
+        config = json.loads((led / "config.json").read_text())
+        del config["lower"]
+        (led / "config.json").write_text(json.dumps(config))
+        assert isinstance(FrozenPolicy.load(led).lower, FrozenLower)
+    LOWERS[what](led / "lower")
+    if says == "old" and what == "gone":
+        assert FrozenPolicy.load(led).lower == "heuristic"
+        return
+    with pytest.raises(PolicyFileError):
+        FrozenPolicy.load(led)
+
+
+def test_a_lower_level_that_the_config_does_not_know_is_refused(led: Path) -> None:
+    change("lower", False)(led)
+    with pytest.raises(PolicyFileError, match="found a lower level; expected none"):
+        FrozenPolicy.load(led)
+    for value in (None, 1, "yes", []):
+        change("lower", value)(led)
+        with pytest.raises(PolicyFileError, match="expected true or false"):
+            FrozenPolicy.load(led)
+
+
+def test_a_policy_without_a_lower_level_says_so(folder: Path) -> None:
+    assert json.loads((folder / "config.json").read_text())["lower"] is False
+    assert FrozenPolicy.load(folder).lower == "heuristic"
+
+
+@pytest.mark.parametrize("name", ["config.json", "weights.safetensors"])
+def test_a_pipe_or_a_device_is_not_read(folder: Path, name: str) -> None:
+    for make in (os.mkfifo, lambda path: path.symlink_to("/dev/zero"), lambda path: path.symlink_to(path)):
+        (folder / name).unlink(missing_ok=True)
+        make(folder / name)
+        with pytest.raises(PolicyFileError):
+            FrozenPolicy.load(folder)

@@ -269,7 +269,8 @@ def test_a_cut_off_file_is_refused(spots: HotSpots, tmp_path: Path) -> None:
     path.write_bytes(path.read_bytes()[:-9])
 
     with pytest.raises(
-        FileFormatError, match=r"spots\.json: line [0-9]+, column [0-9]+: found .*; expected JSON"
+        FileFormatError,
+        match=r"spots\.json: file, line [0-9]+, column [0-9]+: found .*; expected an object as JSON",
     ):
         read_spots(path, spots.hexmap)
 
