@@ -13,6 +13,7 @@ from hexwar_sb3.algorithms.qmix import QMIX
 from hexwar_sb3.envs.settings import TaskSettings
 from hexwar_sb3.errors import ConfigError
 from hexwar_sb3.evaluation.panel import Terms
+from hexwar_sb3.folders import holding
 from hexwar_sb3.league.league import League
 from hexwar_sb3.league.member import CAMPS, as_member
 from hexwar_sb3.league.settings import LeagueSettings
@@ -36,6 +37,9 @@ class GroupedSelfPlayCallback(BaseCallback):
         settings: of the league; the scenario must be the env's, the widths the model's.
         starters: further models to begin with, policy folders by name.
         jobs: groups, then matches, side by side: processes of joblib.
+
+    Raises:
+        BusyError: another process works on the league (from `learn`).
 
     Example:
         >>> model.learn(240_000)
@@ -65,6 +69,10 @@ class GroupedSelfPlayCallback(BaseCallback):
             raise ConfigError(
                 f"the league's models have {widths}, the model {model.policy.sizes}: make them alike"
             )
+        with holding(self.folder, "league"):
+            self._play(model, played)
+
+    def _play(self, model: QMIX, played: TaskSettings) -> None:
         own = self.folder / "learner"
         if not (self.folder / "league.json").exists():  # else it has begun, with the learner as it was then
             terms = Terms(

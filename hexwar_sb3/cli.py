@@ -10,6 +10,7 @@ import tyro
 
 from hexwar_sb3 import __version__
 from hexwar_sb3.commands.bench import Bench
+from hexwar_sb3.commands.console import carry_out, one_line_errors
 from hexwar_sb3.commands.distill import Distill
 from hexwar_sb3.commands.doctor import Doctor
 from hexwar_sb3.commands.evaluate import Evaluate, Match
@@ -21,7 +22,7 @@ from hexwar_sb3.commands.tournament import Tournament
 from hexwar_sb3.commands.train import Train
 from hexwar_sb3.commands.tune import Tune
 from hexwar_sb3.commands.watch import Watch
-from hexwar_sb3.errors import HexWarError
+from hexwar_sb3.errors import UnknownNameError
 
 COMMANDS: dict[str, Callable[..., Any]] = {
     "train": Train,
@@ -38,34 +39,35 @@ COMMANDS: dict[str, Callable[..., Any]] = {
     "bench": Bench,
     "doctor": Doctor,
 }
-USER_ERROR, INTERRUPTED = 2, 130  # exit codes
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Run one sub-command; a mistake of the user's ends in one line, not in a traceback."""
-    try:
-        code = parse(sys.argv[1:] if arguments is None else arguments).run()
-    except (HexWarError, OSError) as error:
-        print(f"hexwar: {error}", file=sys.stderr)
-        code = USER_ERROR
-    except KeyboardInterrupt:
-        print("hexwar: stopped", file=sys.stderr)
-        code = INTERRUPTED
-    sys.exit(code)
+    given = sys.argv[1:] if arguments is None else list(arguments)
+    sys.exit(carry_out("hexwar", lambda: int(parse(given).run())))
 
 
 def parse(arguments: Sequence[str]) -> Any:
-    """Turn arguments into the dataclass of their sub-command."""
+    """Turn arguments into the dataclass of their sub-command.
+
+    Raises:
+        UnknownNameError: there is no such sub-command or flag.
+        ConfigError: a value is missing, or is none.
+    """
     if list(arguments) == ["--version"]:
         print(f"hexwar {__version__}")
         sys.exit(0)
-    return tyro.extras.subcommand_cli_from_dict(
-        COMMANDS,
-        prog="hexwar",
-        description="A war game on hexagons under fog, and commanders that learn it.",
-        args=arguments,
-        config=(tyro.conf.FlagCreatePairsOff, tyro.conf.OmitArgPrefixes),
-    )
+    name = arguments[0] if arguments else "--help"
+    if not name.startswith("-") and name not in COMMANDS:
+        raise UnknownNameError("command", name, COMMANDS)
+    with one_line_errors(arguments, COMMANDS.get(name)):
+        return tyro.extras.subcommand_cli_from_dict(
+            COMMANDS,
+            prog="hexwar",
+            description="A war game on hexagons under fog, and commanders that learn it.",
+            args=list(arguments) or [name],
+            config=(tyro.conf.FlagCreatePairsOff, tyro.conf.OmitArgPrefixes),
+        )
 
 
 if __name__ == "__main__":

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
@@ -21,6 +22,7 @@ from hexwar_sb3.evaluation.jobs import run_jobs
 from hexwar_sb3.evaluation.panel import Panel, play_panel
 from hexwar_sb3.evaluation.results import CampResult
 from hexwar_sb3.evaluation.seeds import Purpose
+from hexwar_sb3.folders import holding
 from hexwar_sb3.tuning.objective import objective
 from hexwar_sb3.tuning.space import Point, first_point
 from hexwar_sb3.tuning.study import StudySpec, begin, completed
@@ -68,6 +70,7 @@ def compare(
 
     Raises:
         ConfigError: a trial was not completed, or a number is out of its range.
+        BusyError: another process trains for a comparison of this study.
     """
     check_whole("games", games, least=1)
     seeds = tuple(dict.fromkeys(seeds))
@@ -76,7 +79,9 @@ def compare(
     finalists = {(name, seed): _finalist(spec, name, points[name], seed) for seed in seeds for name in points}
     # By folder, since points may be equal.
     missing = {one.policy: one for one in finalists.values() if not one.policy.is_dir()}
-    run_jobs(_train, list(missing.values()), workers, "training")
+    if missing:
+        with holding(spec.folder / "finalists", "comparison"):
+            run_jobs(_train, list(missing.values()), workers, "training")
     played = run_jobs(partial(_play, games=games), list(finalists.values()), workers, "finalist")
     panels = dict(zip(finalists, played, strict=True))
     return {
@@ -108,10 +113,11 @@ def _text(value: object) -> str:
 
 
 def _train(one: Finalist) -> None:
-    new = one.policy.with_name(f"{one.policy.name}.new")
+    new = one.policy.with_name(f"{one.policy.name}.new")  # no name that the start of a study clears
+    shutil.rmtree(new, ignore_errors=True)
     preset = load_preset(one.spec.preset).changed(one.point)
     objective(FixedTrial(one.point), preset, replace(one.spec.common, seed=one.seed), new)
-    new.replace(one.policy)
+    new.rename(one.policy)
 
 
 def _play(one: Finalist, games: int) -> Panel:

@@ -111,6 +111,16 @@ def objective(trial: BaseTrial, preset: Preset, common: Common, folder: Path) ->
     return result.mean_margin.value / FORCE
 
 
+def check(preset: Preset, common: Common) -> None:
+    """Make what a trial needs, and let all players look at the first position: before the first trial.
+
+    Raises:
+        ConfigError: a setting is out of its range, or a player does not fit the scenario; and as `make_player`.
+    """
+    new_model(preset, common)
+    common.terms(preset, 1).check_fit((*common.opponents, *common.panel))
+
+
 def new_model(preset: Preset, common: Common) -> HierarchicalQMIX:
     """A beginner whose lower level learns first, and leads whatever it has learned."""
     env = make_vec_env(

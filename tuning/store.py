@@ -17,6 +17,7 @@ from optuna.storages.journal import JournalFileBackend, JournalFileSymlinkLock
 from sqlalchemy.exc import SQLAlchemyError
 
 from hexwar_sb3.errors import ConfigError, FileFormatError, HexWarError
+from hexwar_sb3.folders import check_held
 from hexwar_sb3.tuning.workers import comes_again
 
 HEARTBEAT_S, GRACE_S = 30, 120  # of trials in a database: who is silent for longer is dead
@@ -82,6 +83,7 @@ class _Lock(JournalFileSymlinkLock):
         self._file = FileLock(path)
 
     def acquire(self) -> bool:
+        check_held(Path(self._file.lock_file).parent)  # it makes folders
         self._file.acquire()
         return True
 
@@ -131,6 +133,7 @@ class _Journal(JournalFileBackend):
 
 
 def _open_journal(path: Path) -> JournalStorage:
+    check_held(path.parent)
     path.parent.mkdir(parents=True, exist_ok=True)
     if path.exists() and not path.is_file():  # a pipe would be waited for
         raise FileFormatError(path, "file", found="no regular file", expected="a study's journal")

@@ -40,9 +40,12 @@ from hexwar_sb3.algorithms.presets import PRESETS
 from hexwar_sb3.checks import check_whole
 from hexwar_sb3.errors import ConfigError, FileFormatError, HexWarError, UnknownNameError
 from hexwar_sb3.evaluation.provenance import provenance
+from hexwar_sb3.files import UNFINISHED, replacing
+from hexwar_sb3.folders import check_held, holding, work_for_holder
 from hexwar_sb3.kinds import read_fields
 from hexwar_sb3.play.player import BotPlayer, make_player
-from hexwar_sb3.tuning.objective import Common, objective
+from hexwar_sb3.processes import end_with_parent, start_python
+from hexwar_sb3.tuning.objective import Common, check, objective
 from hexwar_sb3.tuning.samplers import SAMPLERS, make_sampler
 from hexwar_sb3.tuning.space import Space, checked_point, first_point, short, space_of
 from hexwar_sb3.tuning.store import JOURNAL, database_errors, open_storage
@@ -236,7 +239,9 @@ def _opened(spec: StudySpec) -> optuna.Study:
     return optuna.create_study(study_name=name, storage=storage, direction="maximize", load_if_exists=True)
 
 
-def run_study(spec: StudySpec, n_trials: int, workers: int = 1, say: Say = print) -> optuna.Study:
+def run_study(
+    spec: StudySpec, n_trials: int, workers: int = 1, say: Say = print, points: Iterable[object] = ()
+) -> optuna.Study:
     """Go on until a study has so many trials that ended, each in a process of its own.
 
     A trial whose process died fails, and its point comes again, once.
@@ -246,14 +251,24 @@ def run_study(spec: StudySpec, n_trials: int, workers: int = 1, say: Say = print
         n_trials: of the whole study: completed, pruned, or failed by themselves.
         workers: trials side by side.
         say: told of every trial that ends.
+        points: to try next, as of `begin`.
 
     Raises:
-        ConfigError: processes cannot even begin a trial.
+        ConfigError: no trial can be made as the study is set up, or processes cannot even begin one.
+        BusyError: another process works on the study.
+        FileNotFoundError: its folder was removed meanwhile.
         KeyboardInterrupt: it was stopped; what was running comes again.
     """
     check_whole("n_trials", n_trials, least=1)
     check_whole("workers", workers, least=1)
-    study, running, lost = begin(spec), list[Worker](), list[int]()
+    if spec.storage is not None or not (spec.folder / JOURNAL).exists():
+        check(load_preset(spec.preset), spec.common)
+    with holding(spec.folder, "study"):
+        return _go_on(spec, begin(spec, points), n_trials, workers, say)
+
+
+def _go_on(spec: StudySpec, study: optuna.Study, n_trials: int, workers: int, say: Say) -> optuna.Study:
+    running, lost = list[Worker](), list[int]()
     told = {one.number for one in study.get_trials(deepcopy=False) if one.state.is_finished()}
     with _stopping(running, study, spec):
         while True:
@@ -265,7 +280,7 @@ def run_study(spec: StudySpec, n_trials: int, workers: int = 1, say: Say = print
             beginning = [one for one in running if (gethostname(), one.pid) not in mine]
             if len(running) < workers and ended(trials) + len(under_way) + len(beginning) < n_trials:
                 running.append(_start(spec))
-            elif running or under_way:  # others, too, may work on it
+            elif running or under_way:  # others, too, may work on it, by its database
                 sleep(POLL_S)
                 _let_go(running, study, lost)
             else:
@@ -308,18 +323,14 @@ def work(folder: Path) -> None:
 
 
 def _start(spec: StudySpec) -> Worker:
-    """Start a process of its own group: the terminal's Ctrl-C is the parent's. The URL may hold a password."""
+    """Start a process that makes a trial. The URL may hold a password: no argument, which others see."""
     storage = {} if spec.storage is None else {STORAGE: spec.storage}
-    return subprocess.Popen(  # noqa: S603  # our own module
-        [sys.executable, "-m", "hexwar_sb3.tuning.study", str(spec.folder)],
-        stdin=subprocess.DEVNULL,
-        env={**os.environ, **storage},
-        process_group=0,
-    )
+    return start_python(["-m", "hexwar_sb3.tuning.study", str(spec.folder)], storage)
 
 
 def _trial(spec: StudySpec, held: ExitStack, trial: optuna.Trial) -> float:
     folder = spec.trial(trial.number)
+    check_held(spec.folder)
     folder.mkdir(parents=True, exist_ok=True)
     held.enter_context(FileLock(spec.lock(trial.number)))
     trial.set_user_attr(WORKER, this_process())
@@ -335,7 +346,8 @@ def _trial(spec: StudySpec, held: ExitStack, trial: optuna.Trial) -> float:
         raise
     except Exception as error:
         trial.set_user_attr(REASON, f"{type(error).__name__}: {error}"[:REASON_LENGTH])
-        (folder / "error.txt").write_text(traceback.format_exc(), encoding="utf-8")
+        with replacing(folder / "error.txt") as temporary:
+            temporary.write_text(traceback.format_exc(), encoding="utf-8", errors="backslashreplace")
         raise
 
 
@@ -343,7 +355,7 @@ def _keep_artifacts(spec: StudySpec, trial: optuna.Trial) -> None:
     """Make a trial's preset and policy its artifacts."""
     base, folder = spec.folder / "artifacts", spec.trial(trial.number)
     base.mkdir(exist_ok=True)
-    with TemporaryDirectory() as place:
+    with TemporaryDirectory(prefix=UNFINISHED, dir=folder) as place:  # who is killed leaves nothing elsewhere
         files = [str(folder / "preset.json")]
         if (folder / "policy").is_dir():
             files.append(make_archive(f"{place}/policy", "zip", folder / "policy"))
@@ -438,8 +450,10 @@ def _difference(known: Any, own: Any, name: str = "") -> str:
 
 
 if __name__ == "__main__":
+    end_with_parent()
     try:
         with database_errors():
+            work_for_holder(Path(sys.argv[1]))
             work(Path(sys.argv[1]))
-    except HexWarError as stopped:
+    except (HexWarError, OSError) as stopped:
         sys.exit(f"{stopped}")

@@ -22,17 +22,18 @@ from stable_baselines3.common.vec_env import VecEnv, VecEnvWrapper
 from stable_baselines3.common.vec_env.base_vec_env import VecEnvObs, VecEnvStepReturn
 
 from hexwar_sb3.callbacks.win_rate import WinRateCallback
+from hexwar_sb3.commands.console import carry_out, one_line_errors
 from hexwar_sb3.commands.output import compile_first
 from hexwar_sb3.commands.page import TRAINED, write_page
 from hexwar_sb3.commands.run_folder import RunFolder
-from hexwar_sb3.commands.settings import ConstantPlans, ScenarioName, Seed
+from hexwar_sb3.commands.settings import ConstantPlans, ScenarioName, Seed, check_name
 from hexwar_sb3.engine.world import load_world
 from hexwar_sb3.envs.registration import make_vec_env
-from hexwar_sb3.errors import ConfigError, HexWarError
+from hexwar_sb3.errors import ConfigError
 from hexwar_sb3.evaluation.panel import BOTS, CONSTANT_PLANS, Terms
 from hexwar_sb3.evaluation.seeds import Purpose, seed_for
-
-USER_ERROR, INTERRUPTED = 2, 130  # exit codes
+from hexwar_sb3.files import replacing
+from hexwar_sb3.folders import holding
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -75,10 +76,16 @@ class Baseline:
         for name in ("games", "n_envs", "eval_freq", "eval_games", "final_games"):
             if getattr(self, name) < 1:
                 raise ConfigError(f"{name} must be at least 1, got {getattr(self, name)}")
+        check_name("name", self.name)
         torch.set_num_threads(1)
         model = self.new_model()
         compile_first()
+        self.terms().check_opponents(self.opponents)
         folder = RunFolder.new(self.runs, self.name)
+        with holding(folder.path, "run"):
+            return self._train(model, folder)
+
+    def _train(self, model: BaseAlgorithm, folder: RunFolder) -> int:
         folder.write_config(self, " ".join([f"python -m {self.module}", *sys.argv[1:]]))
         start = monotonic()
         self.learn(model, folder)
@@ -109,7 +116,7 @@ class Baseline:
 
     def learn(self, model: BaseAlgorithm, folder: RunFolder) -> None:
         """Let the model play its games."""
-        model.save(untrained(folder))
+        save_whole(model, untrained(folder))
         model.set_logger(configure(str(folder.path), ["csv"]))
         watch = GamesWinRate(self.decisions, self.eval_freq, self.opponents, self.terms(), folder=folder.path)
         try:
@@ -118,7 +125,7 @@ class Baseline:
             )
         finally:
             model.logger.close()
-        model.save(folder.model)
+        save_whole(model, folder.model)
 
     def make_env(self) -> VecEnv:
         """Make the games that it learns from."""
@@ -197,7 +204,7 @@ class GamesWinRate(WinRateCallback):
 
     def keep_best(self, player: Any) -> None:
         """Save the model; it has no policy folder."""
-        player.save(best(self.folder))
+        save_whole(player, best(self.folder))
 
 
 class UntilGames(BaseCallback):
@@ -226,14 +233,19 @@ def best(folder: Path) -> Path:
     return folder / "best_model.zip"
 
 
+def save_whole(model: BaseAlgorithm, path: Path) -> None:
+    """Save a model, at once or not at all."""
+    with replacing(path) as temporary:
+        model.save(temporary)
+
+
 def run_baseline(cls: type[Baseline]) -> int:
-    """Run a command line; a mistake of the user's ends in one line, Ctrl-C in none: nothing was saved."""
+    """Run a command line; a mistake of the user's ends in one line, so does Ctrl-C: nothing was saved."""
     program = cls.module.rpartition(".")[2]
-    try:
-        return tyro.cli(cls, config=(tyro.conf.FlagCreatePairsOff,)).run()
-    except (HexWarError, OSError) as error:
-        print(f"{program}: {error}", file=sys.stderr)
-        return USER_ERROR
-    except KeyboardInterrupt:
-        print(f"{program}: stopped; it starts anew", file=sys.stderr)
-        return INTERRUPTED
+
+    def run() -> int:
+        with one_line_errors(sys.argv[1:], cls):
+            command = tyro.cli(cls, config=(tyro.conf.FlagCreatePairsOff,))
+        return command.run()
+
+    return carry_out(program, run, stopped="stopped; it starts anew")

@@ -44,7 +44,8 @@ class Distill:
         from hexwar_sb3.algorithms.qmix import QMIX
         from hexwar_sb3.commands.selfplay import policy_folder
         from hexwar_sb3.envs.registration import make_vec_env
-        from hexwar_sb3.evaluation.panel import Terms, trained_terms
+        from hexwar_sb3.evaluation.panel import CAMPS, Terms, trained_terms
+        from hexwar_sb3.folders import holding
         from hexwar_sb3.league.distil import Lessons, distill
         from hexwar_sb3.league.member import as_member
         from hexwar_sb3.league.work import env_settings
@@ -60,15 +61,19 @@ class Distill:
         found = [trained_terms(teacher) for teacher in teachers]
         if any(other != found[0] for other in found):
             raise ConfigError(f"the teachers were trained in different ways: {found}")
-        terms, side = Terms(**found[0]), self.side or common_side(teachers, self.teachers)
+        side = self.side or common_side(teachers, self.teachers)
+        terms = Terms(**found[0], camps=CAMPS if side == "both" else (side,))
         compile_first(*self.opponents, scenario=terms.scenario)
+        terms.check_fit(teachers, terms.camps)
+        terms.check_opponents(self.opponents)
         env = {**env_settings(terms, N_ENVS), "side": side, "opponent": list(self.opponents)}
         student = QMIX(
             "TaskPolicy", make_vec_env("HexWarTask-v0", lower=teachers[0].lower, **env), seed=self.seed
         )
-        losses = distill(teachers, student, env, lessons, self.seed)
-        names = ", ".join(Path(teacher).name for teacher in self.teachers)
-        as_member(student, side=side, teachers=names, **terms.about()).save(self.output)
+        with holding(self.output, "policy"):
+            losses = distill(teachers, student, env, lessons, self.seed)
+            names = ", ".join(Path(teacher).name for teacher in self.teachers)
+            as_member(student, side=side, teachers=names, **terms.about()).save(self.output)
         figures = {"policy": str(self.output), "teachers": list(self.teachers), "loss": losses[-1]}
         if self.json:
             print_json(figures)

@@ -56,6 +56,8 @@ class Evaluate:
         camps = CAMPS if self.side == "both" else (self.side,)
         terms = Terms(games=self.games, seed=self.seed, camps=camps, **how)
         compile_first(self.player, *self.opponents, scenario=terms.scenario)
+        terms.check_fit([self.player], camps)
+        terms.check_opponents(self.opponents)
         players = [self.player, *(CONSTANT_PLANS if self.constant_plans else ())]
         with games_bar(len(players) * len(self.opponents) * len(terms.camps) * self.games) as progress:
             panels = [

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -11,9 +10,9 @@ from typing import TYPE_CHECKING
 
 import tyro
 
-from hexwar_sb3.commands.output import compile_first, print_json, table
+from hexwar_sb3.commands.output import as_json, compile_first, print_json, table
 from hexwar_sb3.commands.run_folder import write_text
-from hexwar_sb3.commands.settings import Json
+from hexwar_sb3.commands.settings import Json, check_jobs
 from hexwar_sb3.errors import ConfigError, UnknownNameError
 
 if TYPE_CHECKING:
@@ -75,8 +74,7 @@ class Experiments:
         from hexwar_sb3.experiments.table1 import Table1
         from hexwar_sb3.experiments.table1_page import write
 
-        if self.jobs < 1:
-            raise ConfigError(f"jobs must be at least 1, got {self.jobs}")
+        check_jobs("jobs", self.jobs)
         for flag in ("only", "seeds", "games", "eval_games", "final_games"):
             if getattr(self, flag) != getattr(Experiments, flag):
                 raise ConfigError(f"table1 is one pipeline with settings of its own; it takes no {flag}")
@@ -111,8 +109,7 @@ class Experiments:
 
         if self.name not in NAMES:
             raise UnknownNameError("experiment", self.name, (*NAMES, TABLE1))
-        if self.jobs < 1:
-            raise ConfigError(f"jobs must be at least 1, got {self.jobs}")
+        check_jobs("jobs", self.jobs)
         if not self.seeds or len(set(self.seeds)) < len(self.seeds):
             raise ConfigError(f"name seeds, each of them once; got {self.seeds}")
         for seed in self.seeds:
@@ -162,7 +159,7 @@ def write_table(runs: Sequence[Run], places: Places, folder: Path) -> list[Path]
     meanings = table(("row", "what differs from base"), [[row["row"], SAYS[row["row"]]] for row in rows])
     lines = "\n\n".join([counted, table(HEADS, list(cells(rows))), meanings])
     write_text(text, lines + "\n")
-    write_text(figures, json.dumps(rows, indent=2) + "\n")
+    write_text(figures, as_json(rows) + "\n")
     print(lines)
     draw(rows, runs, places, picture)
     return [text, figures, picture]

@@ -7,6 +7,7 @@ import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import partial
+from math import isfinite
 from typing import Any
 
 from tqdm import tqdm
@@ -40,7 +41,20 @@ def compile_first(*players: str, scenario: str = "plain") -> None:
 
 def print_json(values: Mapping[str, object]) -> None:
     """Print one JSON object."""
-    print(json.dumps(values, indent=2, default=str))
+    print(as_json(values))
+
+
+def as_json(values: object) -> str:
+    """Write JSON as everybody reads it: numbers that are not finite, which it has not, are null."""
+    return json.dumps(_finite(values), indent=2, default=str, allow_nan=False)
+
+
+def _finite(value: object) -> object:
+    if isinstance(value, float):
+        return value if isfinite(value) else None
+    if isinstance(value, Mapping):
+        return {key: _finite(one) for key, one in value.items()}
+    return [_finite(one) for one in value] if isinstance(value, list | tuple) else value
 
 
 def table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from typing import Any
 
-from hexwar_sb3.commands.output import games_bar, panel_table, table
+from hexwar_sb3.commands.output import as_json, games_bar, panel_table, table
 from hexwar_sb3.commands.run_folder import RunFolder, write_text
 from hexwar_sb3.evaluation.intervals import Estimate, paired_interval
 from hexwar_sb3.evaluation.panel import BOTS, CONSTANT_PLANS, Panel, Terms, play_panel
@@ -53,7 +52,7 @@ def write_page(
     }
     counted = "Figures: fresh games; win rate = (won + drawn / 2) / games; 95 % intervals."
     text = "\n\n".join([f"{title} in {minutes:.1f} minutes.\n{counted}", panel_table(rows), _gains(panels)])
-    write_text(folder.path / "page.json", json.dumps(figures, indent=2) + "\n")
+    write_text(folder.path / "page.json", as_json(figures) + "\n")
     write_text(folder.page, text + "\n")
     return figures, text
 

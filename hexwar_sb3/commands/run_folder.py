@@ -22,10 +22,11 @@ class RunFolder:
     @classmethod
     def new(cls, runs: Path, name: str) -> RunFolder:
         """Make the first `runs/<name>_<k>` that is free."""
+        runs.mkdir(parents=True, exist_ok=True)
         for k in range(1, 1_000_000):
             path = runs / f"{name}_{k}"
             try:
-                path.mkdir(parents=True)
+                path.mkdir()
             except FileExistsError:
                 continue
             return cls(path)
@@ -97,4 +98,4 @@ def _seconds(log: Path) -> float:
 def write_text(path: Path, text: str) -> None:
     """Write a text file, whole or not at all."""
     with replacing(path) as temporary:
-        temporary.write_text(text, encoding="utf-8")
+        temporary.write_text(text, encoding="utf-8", errors="backslashreplace")  # of names that are no UTF-8

@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import tyro
 
 from hexwar_sb3.commands.output import compile_first, print_json, table
-from hexwar_sb3.commands.settings import Json, ScenarioName, Seed
-from hexwar_sb3.errors import ConfigError
+from hexwar_sb3.commands.settings import Json, ScenarioName, Seed, check_jobs
 
 if TYPE_CHECKING:
     from hexwar_sb3.league.league import League
@@ -51,18 +50,19 @@ class SelfPlay:
     def run(self) -> int:
         """Begin or go on, then print who was kept."""
         from hexwar_sb3.commands.tournament import named
+        from hexwar_sb3.folders import holding
         from hexwar_sb3.league.league import League
         from hexwar_sb3.league.settings import LeagueSettings
 
-        if self.jobs < 1:
-            raise ConfigError(f"jobs must be at least 1, got {self.jobs}")
+        check_jobs("jobs", self.jobs)
         names = LeagueSettings.__dataclass_fields__
         settings = LeagueSettings(**{name: value for name, value in vars(self).items() if name in names})
         starters = {name: policy_folder(Path(path)) for name, path in named(self.starters).items()}
         compile_first(scenario=self.scenario)
-        league = League.create(self.output, settings, starters)
         try:
-            league.run(self.jobs, after=lambda k: print(in_words(league, k), file=sys.stderr, flush=True))
+            with holding(self.output, "league"):
+                league = League.create(self.output, settings, starters)
+                league.run(self.jobs, after=lambda k: print(in_words(league, k), file=sys.stderr, flush=True))
         except KeyboardInterrupt:
             print("\nstopped; the same command goes on", file=sys.stderr)
             return INTERRUPTED

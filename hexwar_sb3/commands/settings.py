@@ -7,6 +7,7 @@ from typing import Annotated
 
 import tyro
 
+from hexwar_sb3.checks import check_whole
 from hexwar_sb3.errors import ConfigError
 
 Json = Annotated[bool, tyro.conf.arg(help="print one JSON object instead of a table")]
@@ -15,6 +16,7 @@ Seed = Annotated[int, tyro.conf.arg(help="0..999999; the same seed gives the sam
 DecisionTicks = Annotated[
     int, tyro.conf.arg(help="ticks between two decisions of a policy; as it was trained")
 ]
+MOST_JOBS = 1_000  # each is a process that takes some hundred MB
 ConstantPlans = Annotated[
     bool,
     tyro.conf.arg(help="leave out the players that follow one fixed plan", help_behavior_hint=""),
@@ -32,3 +34,14 @@ def check_name(setting: str, name: str) -> None:
     """
     if not re.fullmatch(r"[A-Za-z0-9_-]{1,80}", name):
         raise ConfigError(f"{setting} must be of letters, digits, - and _, got {name!r}")
+
+
+def check_jobs(setting: str, jobs: int) -> None:
+    """Check how many processes are to work side by side.
+
+    Raises:
+        ConfigError: none, or more than any machine bears.
+    """
+    check_whole(setting, jobs, least=1)
+    if jobs > MOST_JOBS:
+        raise ConfigError(f"{setting} must be at most {MOST_JOBS}, got {jobs}")

@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import tyro
 
-from hexwar_sb3.commands.output import compile_first, print_json, table
+from hexwar_sb3.commands.output import as_json, compile_first, print_json, table
 from hexwar_sb3.commands.run_folder import write_text
-from hexwar_sb3.commands.settings import Games, Json, Seed, check_name
+from hexwar_sb3.commands.settings import Games, Json, Seed, check_jobs, check_name
 from hexwar_sb3.errors import ConfigError
 
 if TYPE_CHECKING:
@@ -46,22 +45,26 @@ class Tournament:
         """Play what is missing, then print and draw."""
         from hexwar_sb3.evaluation.tournament import play_meetings, single_round_robin
         from hexwar_sb3.evaluation.tournament_picture import draw_tournament
+        from hexwar_sb3.folders import holding
 
         players = named(self.players)
-        if len(players) < 2 - self.mirror or not self.scenarios or self.jobs < 1:
-            raise ConfigError("a tournament needs two players, a scenario and jobs >= 1")
+        if len(players) < 2 - self.mirror or not self.scenarios:
+            raise ConfigError("a tournament needs two players and a scenario")
+        check_jobs("jobs", self.jobs)
         if len({Path(scenario).name for scenario in self.scenarios}) < len(self.scenarios):
             raise ConfigError(f"two scenarios have one name: {', '.join(self.scenarios)}")
         terms = self._terms(players)
         for scenario in self.scenarios:
             compile_first(*players.values(), scenario=scenario)
+            replace(terms, scenario=scenario).check_fit(players.values())
         meetings = single_round_robin(list(players), self.scenarios, mirror=self.mirror)
-        found = play_meetings(meetings, players, players, terms, self.output / "matches", jobs=self.jobs)
-        figures = {"players": players, "elo": _elo(found), "matches": list(found.rows.values())}
-        write_text(self.output / "table.json", json.dumps(figures, indent=1, default=str) + "\n")
-        text = in_words(found, list(players))
-        write_text(self.output / "table.txt", text + "\n")
-        draw_tournament(found, list(players), self.output / "tournament.png")
+        with holding(self.output, "tournament"):
+            found = play_meetings(meetings, players, players, terms, self.output / "matches", jobs=self.jobs)
+            figures = {"players": players, "elo": _elo(found), "matches": list(found.rows.values())}
+            write_text(self.output / "table.json", as_json(figures) + "\n")
+            text = in_words(found, list(players))
+            write_text(self.output / "table.txt", text + "\n")
+            draw_tournament(found, list(players), self.output / "tournament.png")
         if self.json:
             print_json(figures)
         else:

@@ -111,23 +111,27 @@ class Train:
     def run(self) -> int:
         """Train, or go on with a training."""
         from hexwar_sb3.commands.training import go_on, make_env, new_model, train
+        from hexwar_sb3.folders import holding
 
         self.check()
         if self.resume is not None:
             folder = RunFolder(self.resume)
             settings = settings_from(folder)
             settings = replace(settings, progress=self.progress, json=self.json, resume=self.resume)
-            compile_first()
-            return train(settings, go_on(settings, folder), folder)
+            with holding(folder.path, "run"):
+                compile_first()
+                return train(settings, go_on(settings, folder), folder)
         # A wrong setting shows here, before anything is compiled or written.
         model = new_model(self, make_env(self))
         compile_first()
+        self.terms().check_opponents(self.opponents)
         folder = RunFolder.new(self.runs, self.name)
-        folder.write_config(self, " ".join(["hexwar", *sys.argv[1:]]))
-        if self.preset not in PRESETS:
-            save_preset(folder.preset, self.loaded, {"copy of": self.preset})
-            return train(replace(self, preset=str(folder.preset)), model, folder)
-        return train(self, model, folder)
+        with holding(folder.path, "run"):
+            folder.write_config(self, " ".join(["hexwar", *sys.argv[1:]]))
+            if self.preset not in PRESETS:
+                save_preset(folder.preset, self.loaded, {"copy of": self.preset})
+                return train(replace(self, preset=str(folder.preset)), model, folder)
+            return train(self, model, folder)
 
     def terms(self, games: int | None = None, purpose: Purpose = Purpose.REPORT) -> Terms:
         """Say how this commander is measured: by default as on the page at the end."""

@@ -12,15 +12,15 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import tyro
 
 from hexwar_sb3.checks import check_whole
-from hexwar_sb3.commands.output import compile_first, panel_table, print_json, table
-from hexwar_sb3.commands.settings import Json, ScenarioName, Seed
+from hexwar_sb3.commands.output import as_json, compile_first, panel_table, print_json, table
+from hexwar_sb3.commands.run_folder import write_text
+from hexwar_sb3.commands.settings import Json, ScenarioName, Seed, check_jobs
 from hexwar_sb3.errors import ConfigError
-from hexwar_sb3.files import write_json
 
 if TYPE_CHECKING:
     from hexwar_sb3.tuning.study import StudySpec
 
-INTERRUPTED = 130  # exit code after Ctrl-C
+FAILED, INTERRUPTED = 1, 130  # exit codes: no trial was completed; Ctrl-C
 NEEDED = ("optuna", "filelock", "scipy")  # of the extra "tune"
 ACTIONS = """run: go on with the trials; show: table and pictures; compare: points against the paper's, over any seeds;
 export: a preset"""
@@ -71,6 +71,7 @@ class Tune:
         """Do it."""
         if missing := [name for name in NEEDED if find_spec(name) is None]:
             raise ConfigError(f'tuning needs {", ".join(missing)}: pip install "hexwar-sb3[tune]"')
+        check_jobs("workers", self.workers)
         from hexwar_sb3.tuning.store import database_errors
         from hexwar_sb3.tuning.study import known_spec
 
@@ -83,7 +84,8 @@ class Tune:
     def _run(self) -> int:
         """Go on with the trials."""
         from hexwar_sb3.tuning.objective import Common
-        from hexwar_sb3.tuning.study import StudySpec, begin, run_study
+        from hexwar_sb3.tuning.space import checked_point
+        from hexwar_sb3.tuning.study import StudySpec, run_study
 
         names = Common.__dataclass_fields__
         common = Common(**{name: value for name, value in vars(self).items() if name in names})
@@ -97,15 +99,18 @@ class Tune:
             common=common,
         )
         check_whole("n_trials", self.n_trials, least=1)
-        check_whole("workers", self.workers, least=1)
-        begin(spec, map(_point, self.enqueue))
+        points = [checked_point(_point(text), spec.space) for text in self.enqueue]
         compile_first(scenario=self.scenario)
         try:
-            run_study(spec, self.n_trials, self.workers, say=lambda line: print(line, file=sys.stderr))
+            study = run_study(spec, self.n_trials, self.workers, _say, points)
         except KeyboardInterrupt:
             print("\nstopped; the same command goes on", file=sys.stderr)
             return INTERRUPTED
-        return self._show(spec)
+        self._show(spec)
+        if any(one.state.name == "COMPLETE" for one in study.get_trials(deepcopy=False)):
+            return 0
+        _say("no trial was completed")
+        return FAILED
 
     def _show(self, spec: StudySpec) -> int:
         """Print the trials, and write the pictures."""
@@ -124,7 +129,7 @@ class Tune:
 
         compile_first(scenario=spec.common.scenario)
         found = compare(spec, self.games, self.seeds or (spec.common.seed,), self.workers, self.trials)
-        write_json(self.output or spec.folder / "compare.json", found)
+        write_text(self.output or spec.folder / "compare.json", as_json(found) + "\n")
         if self.json:
             print_json(found)
             return 0
@@ -158,6 +163,10 @@ class Tune:
             f"trial {trial.number} ({trial.value:+.3f}): hexwar train --preset {path}"
         )
         return 0
+
+
+def _say(line: str) -> None:
+    print(line, file=sys.stderr, flush=True)
 
 
 def _point(text: str) -> object:

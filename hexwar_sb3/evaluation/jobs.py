@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import multiprocessing
 import os
 import signal
 import warnings
@@ -11,6 +12,9 @@ from typing import TypeVar, cast
 
 from joblib import Parallel, delayed
 from tqdm import tqdm
+
+from hexwar_sb3.folders import Held, held, work_within
+from hexwar_sb3.processes import end_with
 
 Spec = TypeVar("Spec")
 Made = TypeVar("Made")
@@ -34,12 +38,20 @@ def run_jobs(function: Callable[[Spec], Made], specs: Sequence[Spec], jobs: int,
     with warnings.catch_warnings():
         # Maps that a game reads into memory look like a leak, and loky starts another worker: nothing is lost.
         warnings.filterwarnings("ignore", "A worker stopped while some jobs", UserWarning)
-        made = Parallel(n_jobs=jobs)(delayed(_call)(function, spec, os.getpid()) for spec in shown)
+        parallel = Parallel(n_jobs=min(jobs, max(1, len(specs))))  # loky would start all of them
+        made = parallel(delayed(_call)(function, spec, os.getpid(), held()) for spec in shown)
     return cast("list[Made]", made)
 
 
-def _call(function: Callable[[Spec], Made], spec: Spec, waiting: int) -> Made:
-    """Call it; in a process of its own Ctrl-C ends it without a word: the process that waits says what is to be said."""
+def _call(function: Callable[[Spec], Made], spec: Spec, waiting: int, folders: Held) -> Made:
+    """Call it; in a process of its own Ctrl-C ends it without a word: the process that waits says what is to be said.
+
+    A process of this machine's ends with the one that waits, and makes no folder anew that this one holds.
+    """
+    parent = multiprocessing.parent_process()
+    if parent is not None and parent.pid == waiting:
+        end_with(waiting)
+        work_within(folders)
     if os.getpid() != waiting and current_thread() is main_thread():
         signal.signal(signal.SIGINT, signal.SIG_DFL)
     return function(spec)

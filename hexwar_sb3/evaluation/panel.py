@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from hexwar_sb3.checks import check_whole
 from hexwar_sb3.engine.replay import Replay
-from hexwar_sb3.errors import PolicyFileError
-from hexwar_sb3.evaluation.matches import check_games, play_match
+from hexwar_sb3.engine.world import load_world
+from hexwar_sb3.errors import ConfigError, PolicyFileError
+from hexwar_sb3.evaluation.matches import check_games, play_match, player_name
 from hexwar_sb3.evaluation.results import CampResult, MatchResult
 from hexwar_sb3.evaluation.seeds import Purpose, seed_for
-from hexwar_sb3.play.player import make_player
+from hexwar_sb3.play.arena import Arena, Setup
+from hexwar_sb3.play.player import Player, make_player
 from hexwar_sb3.play.recording import record_game
 from hexwar_sb3.play.records import DECISION_TICKS
 from hexwar_sb3.tasks.spots import SPOTS
@@ -75,6 +77,36 @@ class Terms:
         if camp == "red":
             return self.play(player, opponent, (self.decision_ticks, its)).red
         return self.play(opponent, player, (its, self.decision_ticks)).blue
+
+    def check_opponents(self, opponents: Iterable[object]) -> None:
+        """Let opponents look at the first position, before games are played that would only lead there.
+
+        Raises:
+            ConfigError: one does not fit the scenario or these terms; and as `make_player`.
+        """
+        self.check_fit(opponents, [CAMPS[1 - CAMPS.index(camp)] for camp in self.camps])
+
+    def check_fit(self, players: Iterable[object], camps: Iterable[str] = CAMPS) -> None:
+        """Let players look at the first position of each of these camps.
+
+        Raises:
+            ConfigError: one does not fit; and as `make_player`.
+        """
+        ticks = self.decision_ticks, self.decision_ticks
+        setup = Setup(decision_ticks=ticks, spots=self.spots, early=self.early)
+        arena = Arena(load_world(self.scenario), 1, setup)
+        for player in players:
+            seat = make_player(player)
+            for camp in camps:
+                if isinstance(seat, Player):
+                    seat.reset()
+                try:
+                    arena.begin(0, 0, *(seat if one == camp else None for one in CAMPS))
+                    arena.ask([0])
+                except ConfigError as error:
+                    raise ConfigError(
+                        f"{player_name(player)} as {camp} on {self.scenario}: {error}"
+                    ) from error
 
     def record(self, red: object, blue: object) -> Replay:
         """Play the first game of a cell and write it down."""

@@ -22,6 +22,7 @@ from hexwar_sb3.evaluation.jobs import run_jobs
 from hexwar_sb3.evaluation.panel import Terms, trained_terms
 from hexwar_sb3.evaluation.provenance import provenance
 from hexwar_sb3.files import replacing
+from hexwar_sb3.folders import holding
 from hexwar_sb3.kinds import read_fields
 from hexwar_sb3.play.frozen import FrozenPolicy
 from hexwar_sb3.play.player import BotPlayer, make_player
@@ -119,13 +120,15 @@ def play_meetings(
 
     Raises:
         FileFormatError: a file of this name is of another match: other players, terms, rules.
+        BusyError: another process plays there.
     """
-    folder.mkdir(parents=True, exist_ok=True)
     matches = {
         meeting: Match(meeting, reds[meeting.red], blues[meeting.blue], terms, folder) for meeting in meetings
     }
     missing = [match for match in matches.values() if not match.is_played()]
-    run_jobs(play, missing, jobs, "match")
+    if missing:
+        with holding(folder, "tournament"):
+            run_jobs(play, missing, jobs, "match")
     return Table({meeting: match.read() for meeting, match in matches.items()})
 
 

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import signal
 import subprocess
-import sys
-from collections.abc import Callable, Collection, Sequence
+import threading
+from collections.abc import Callable, Collection, Iterator, Sequence
+from contextlib import ExitStack, contextmanager
 from time import sleep
 
 from hexwar_sb3.experiments.keep import keep
 from hexwar_sb3.experiments.runs import HEXWAR, Places, Run
+from hexwar_sb3.folders import check_held, holding
+from hexwar_sb3.processes import start_python
 
 POLL_SECONDS = 0.2
 Say = Callable[[str], object]
@@ -22,12 +25,22 @@ def carry_out(runs: Sequence[Run], places: Places, *, jobs: int = 1, say: Say = 
 
     Raises:
         KeyboardInterrupt: it was stopped.
+        BusyError: another process carries out runs of these experiments.
     """
+    if all(places.is_kept(run) for run in runs):
+        return []
+    with ExitStack() as held:
+        for experiment in dict.fromkeys(run.experiment for run in runs):
+            for place in (places.work, places.results):
+                held.enter_context(holding(place / experiment, "experiment"))
+        return _carry_out(runs, places, jobs, say)
+
+
+def _carry_out(runs: Sequence[Run], places: Places, jobs: int, say: Say) -> list[Run]:
     waiting = [run for run in runs if not keep_results(run, places)]
     running: dict[Run, subprocess.Popen[bytes]] = {}
     failed: list[Run] = []
-    before = signal.signal(signal.SIGTERM, signal.default_int_handler)
-    try:
+    with _stopping(running):
         while waiting or running:
             while waiting and len(running) < jobs:
                 run = waiting.pop(0)
@@ -42,26 +55,32 @@ def carry_out(runs: Sequence[Run], places: Places, *, jobs: int = 1, say: Say = 
                     say(f"{run.name}: failed with exit code {code}; see {places.log(run)}")
             if running:
                 sleep(POLL_SECONDS)
-    except BaseException:  # a full disk, say, must not leave trainings without a parent
-        stop(running.values())
-        raise
-    finally:
-        signal.signal(signal.SIGTERM, before)
     return failed
 
 
+@contextmanager
+def _stopping(running: dict[Run, subprocess.Popen[bytes]]) -> Iterator[None]:
+    """Stop the processes where the block ends early: a full disk, say, must not leave trainings without a parent."""
+    first = threading.current_thread() is threading.main_thread()  # signals are its own
+    before = signal.signal(signal.SIGTERM, signal.default_int_handler) if first else None
+    try:
+        yield
+    except BaseException:
+        stop(running.values())
+        raise
+    finally:
+        if first:
+            signal.signal(signal.SIGTERM, before)
+
+
 def start(run: Run, places: Places) -> subprocess.Popen[bytes]:
-    """Start the process of a run; its own group keeps the terminal's Ctrl-C from reaching it a second time."""
+    """Start the process of a run."""
     log = places.log(run)
+    check_held(log.parent)
     log.parent.mkdir(parents=True, exist_ok=True)
     with log.open("ab") as output:
-        return subprocess.Popen(  # noqa: S603  # our own modules
-            [sys.executable, "-m", run.module, *arguments(run, places)],
-            stdin=subprocess.DEVNULL,
-            stdout=output,
-            stderr=subprocess.STDOUT,
-            process_group=0,
-        )
+        command = ["-m", run.module, *arguments(run, places)]
+        return start_python(command, stdout=output, stderr=subprocess.STDOUT)
 
 
 def arguments(run: Run, places: Places) -> list[str]:

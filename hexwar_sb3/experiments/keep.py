@@ -13,6 +13,7 @@ from hexwar_sb3.evaluation.history import History
 from hexwar_sb3.evaluation.panel import BOTS
 from hexwar_sb3.experiments.curve import curve_rows, write_curve
 from hexwar_sb3.experiments.runs import Run
+from hexwar_sb3.folders import making
 from hexwar_sb3.kinds import read_fields
 from hexwar_sb3.reading import read_json
 
@@ -31,16 +32,13 @@ class Measured:
 
 def keep(run: Run, folder: Path, kept: Path) -> None:
     """Copy the results of a finished run folder, whole or not at all."""
-    new = kept.with_name(f".new-{kept.name}")
-    shutil.rmtree(new, ignore_errors=True)
-    new.mkdir(parents=True)
-    for name in FILES:
-        shutil.copyfile(folder / name, new / name)
-    if run.with_policy and (folder / "policy").is_dir():
-        shutil.copytree(folder / "policy", new / "policy")
-    (new / "command.txt").write_text(run.command + "\n", encoding="utf-8")
-    write_curve(new / "curve.csv", _curve_of(folder))
-    new.rename(kept)
+    with making(kept) as new:
+        for name in FILES:
+            shutil.copyfile(folder / name, new / name)
+        if run.with_policy and (folder / "policy").is_dir():
+            shutil.copytree(folder / "policy", new / "policy")
+        (new / "command.txt").write_text(run.command + "\n", encoding="utf-8")
+        write_curve(new / "curve.csv", _curve_of(folder))
 
 
 def _curve_of(folder: Path) -> Iterator[dict[str, Any]]:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import shutil
 from collections.abc import Callable
-from contextlib import nullcontext
+from contextlib import ExitStack, nullcontext
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -19,11 +19,12 @@ from hexwar_sb3.experiments.carry_out import carry_out
 from hexwar_sb3.experiments.fig7 import pair
 from hexwar_sb3.experiments.page_file import FILE, minutes_on
 from hexwar_sb3.experiments.runs import Budget, Places, Run
+from hexwar_sb3.folders import holding, making
 from hexwar_sb3.league.cost import Cost, added, measured, read_cost
 from hexwar_sb3.league.distil import Lessons
 from hexwar_sb3.league.heir import DISTILLED, LEARNED, TAUGHT, HeirSpec, Practice, make_heir
 from hexwar_sb3.league.league import League
-from hexwar_sb3.league.member import CAMPS, making
+from hexwar_sb3.league.member import CAMPS
 from hexwar_sb3.league.picture import draw_league
 from hexwar_sb3.league.school import School
 from hexwar_sb3.league.settings import LeagueSettings
@@ -66,7 +67,17 @@ class Table1:
         return [pair(self.settings.scenario, seed, Budget(games=WARM_UPS))[0] for seed in self.seeds]
 
     def run(self, say: Say) -> Table | None:
-        """Make what is missing; None if a warm-up failed."""
+        """Make what is missing; None if a warm-up failed.
+
+        Raises:
+            BusyError: another process works on it.
+        """
+        with ExitStack() as held:
+            for folder in (self.work, self.kept):
+                held.enter_context(holding(folder, "table"))
+            return self._run(say)
+
+    def _run(self, say: Say) -> Table | None:
         if carry_out(self.warm_ups(), self.places, jobs=self.jobs, say=say):
             return None
         league = self.league()

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import resource
 import sys
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
@@ -39,7 +38,6 @@ def measured(folder: Path, part: str, jobs: int = 1) -> Iterator[None]:
         before = found.get(part, {})
         found[part] = {key: round(value + before.get(key, 0.0), 1) for key, value in spent.items()}
         found[part]["peak_mb"] = max(before.get("peak_mb", 0.0), round(peak_mb()))
-        folder.mkdir(parents=True, exist_ok=True)
         write_json(folder / FILE, found)
 
 
@@ -65,11 +63,15 @@ def added(costs: Iterable[Cost]) -> Cost:
 
 
 def peak_mb() -> float:
-    """Peak memory so far of this process or of one that works for it, in MB; of the others Linux alone tells."""
+    """Peak memory so far of this process or of one that works for it, in MB; of the others Linux alone tells, Windows nothing: 0."""
     found = [_peak_of("self"), *map(_peak_of, _workers())]
     known = [mb for mb in found if mb is not None]
     if known:
         return max(known)
+    try:
+        import resource
+    except ImportError:  # Windows
+        return 0.0
     unit = 1 if sys.platform == "darwin" else 1024  # bytes there, kB elsewhere
     return (
         resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * unit / 1e6

@@ -7,9 +7,10 @@ from dataclasses import dataclass
 
 from hexwar_sb3.algorithms.qmix import QMIX
 from hexwar_sb3.evaluation.panel import Terms
+from hexwar_sb3.folders import making
 from hexwar_sb3.league.cost import measured
 from hexwar_sb3.league.judge import Judge, Rivals
-from hexwar_sb3.league.member import CAMPS, Member, making
+from hexwar_sb3.league.member import CAMPS, Member
 from hexwar_sb3.league.work import Opponents, Training, begin, env_steps, job_seed, one_thread
 
 PAIRS = (CAMPS, CAMPS[::-1])  # who learns, and who is met

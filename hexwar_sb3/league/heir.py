@@ -9,10 +9,11 @@ from hexwar_sb3.algorithms.qmix import QMIX
 from hexwar_sb3.envs.registration import make_vec_env
 from hexwar_sb3.evaluation.panel import BOTS, Terms
 from hexwar_sb3.evaluation.seeds import Purpose, seed_for
+from hexwar_sb3.folders import making
 from hexwar_sb3.league.cost import measured
 from hexwar_sb3.league.distil import Lessons, distill
 from hexwar_sb3.league.judge import Judge, Rivals
-from hexwar_sb3.league.member import CAMPS, Member, as_member, making
+from hexwar_sb3.league.member import CAMPS, Member, as_member
 from hexwar_sb3.league.school import School, Search, attend, best_plan, search
 from hexwar_sb3.league.work import Opponents, Training, begin, env_steps, job_seed, one_thread
 

@@ -23,11 +23,12 @@ from hexwar_sb3.evaluation.panel import BOTS, Terms, trained_terms
 from hexwar_sb3.evaluation.provenance import provenance
 from hexwar_sb3.evaluation.seeds import Purpose
 from hexwar_sb3.files import write_json
+from hexwar_sb3.folders import check_held, holding
 from hexwar_sb3.kinds import read_fields
 from hexwar_sb3.league.cost import measured
 from hexwar_sb3.league.group import GroupSpec, train_group
 from hexwar_sb3.league.judge import Rivals
-from hexwar_sb3.league.member import CAMPS, Member, clear_unfinished
+from hexwar_sb3.league.member import CAMPS, Member
 from hexwar_sb3.league.school import Pupil, Search, go_to_school, search
 from hexwar_sb3.league.selection import Standing, play_all, select, standings
 from hexwar_sb3.league.settings import EXPLORING_SHARE, LEARNER, LeagueSettings
@@ -94,19 +95,22 @@ class League:
                 decision ticks, hot spots or decision points.
             UnknownNameError: no such bot or scenario.
             PolicyFileError: a starter is broken.
+            BusyError: another process works on it.
         """
         policies = {name: Member("", name, path).policy() for name, path in starters.items()}
-        if (folder / "league.json").exists():
-            league = cls.open(folder)
-            league.check_starters(policies)
-            return league.prolonged(settings)
-        _check_starters(policies, settings)
-        league = cls(folder, settings)
-        shutil.rmtree(league._starters, ignore_errors=True)  # of a beginning that was broken off
-        for name, policy in policies.items():
-            policy.save(league._starters / name)
-        league._write_head()
-        return league
+        if not (folder / "league.json").exists():
+            _check_starters(policies, settings)
+        with holding(folder, "league"):
+            if (folder / "league.json").exists():
+                league = cls.open(folder)
+                league.check_starters(policies)
+                return league.prolonged(settings)
+            league = cls(folder, settings)
+            shutil.rmtree(league._starters, ignore_errors=True)  # of a beginning that was broken off
+            for name, policy in policies.items():
+                policy.save(league._starters / name)
+            league._write_head()
+            return league
 
     def _write_head(self) -> None:
         head = {"format": FORMAT, "settings": asdict(self.settings), **provenance(self.settings.scenario)}
@@ -227,19 +231,27 @@ class League:
         Args:
             jobs: groups, then matches, side by side.
             after: called with the number of each iteration that is done.
+
+        Raises:
+            BusyError: another process works on it.
+            FileNotFoundError: its folder was removed meanwhile.
         """
-        self._rank_starters(jobs)
-        after(0)
-        for k in range(1, self.settings.iterations + 1):
-            if not self.is_done(k):
-                if self.settings.school_rounds:
-                    with measured(self.iteration(k), "school", jobs):
-                        self._hold_school(k, jobs)
-                with measured(self.iteration(k), "groups", jobs):
-                    self._train_groups(k, jobs)
-                with measured(self.iteration(k), "round robin", jobs):
-                    self._select(k, jobs)
-            after(k)
+        with holding(self.folder, "league"):
+            self._rank_starters(jobs)
+            after(0)
+            for k in range(1, self.settings.iterations + 1):
+                if not self.is_done(k):
+                    self._iterate(k, jobs)
+                after(k)
+
+    def _iterate(self, k: int, jobs: int) -> None:
+        if self.settings.school_rounds:
+            with measured(self.iteration(k), "school", jobs):
+                self._hold_school(k, jobs)
+        with measured(self.iteration(k), "groups", jobs):
+            self._train_groups(k, jobs)
+        with measured(self.iteration(k), "round robin", jobs):
+            self._select(k, jobs)
 
     def _rank_starters(self, jobs: int) -> None:
         """Order the first models by their games against the bots; the best of a colour is HRL0."""
@@ -258,12 +270,9 @@ class League:
         searches = {one.file: one for found in self.searches(k).values() for one in found}
         run_jobs(search, [one for one in searches.values() if not one.file.exists()], jobs, "plan")
         run_jobs(go_to_school, [one for one in self.pupils(k) if not one.folder.is_dir()], jobs, "pupil")
-        for camp in CAMPS:
-            clear_unfinished(self.iteration(k) / "school" / camp)
 
     def _train_groups(self, k: int, jobs: int) -> None:
         run_jobs(train_group, [spec for spec in self.specs(k) if not spec.folder.is_dir()], jobs, "group")
-        clear_unfinished(self.iteration(k) / "groups")
 
     def searches(self, k: int) -> dict[tuple[str, str], list[Search]]:
         """Searches for plans of iteration k, by camp and name of a model that was kept: its own, and the very first best's.
@@ -421,6 +430,7 @@ class League:
             models: False if the league is over, and tables and the models that it began with are all that is wanted.
         """
         done = [k for k in range(self.settings.iterations + 1) if self.is_done(k)]
+        check_held(folder.parent)
         new = folder.with_name(f".new-{folder.name}")
         shutil.rmtree(new, ignore_errors=True)
         new.mkdir(parents=True)

@@ -22,8 +22,9 @@ from hexwar_sb3.errors import FileFormatError
 from hexwar_sb3.evaluation.panel import Terms
 from hexwar_sb3.evaluation.seeds import Purpose, seed_for
 from hexwar_sb3.files import write_json
+from hexwar_sb3.folders import making
 from hexwar_sb3.league.distil import Lessons
-from hexwar_sb3.league.member import CAMPS, Member, as_member, making
+from hexwar_sb3.league.member import CAMPS, Member, as_member
 from hexwar_sb3.league.plans import Plan, Planner, Planning
 from hexwar_sb3.league.work import Opponents, Training, begin, env_steps, job_seed, one_thread
 from hexwar_sb3.maps.scenario import MAX_GAME_TICKS
@@ -76,7 +77,6 @@ def search(spec: Search) -> None:
     with one_thread():
         planner = Planner(spec.policy.policy(), spec.policy.camp, spec.opponents, spec.planning, spec.terms)
         plan = planner.plan()
-    spec.file.parent.mkdir(parents=True, exist_ok=True)
     write_json(spec.file, {"opponents": [name_of(one) for one, _ in spec.opponents], **asdict(plan)})
 
 

@@ -1,0 +1,142 @@
+"""How commands begin and end on a console: one line for a mistake, silence where nobody reads, characters that it has."""
+
+from __future__ import annotations
+
+import codecs
+import io
+import os
+import re
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager, redirect_stderr, suppress
+from shutil import get_terminal_size
+from typing import Any, TextIO
+
+from hexwar_sb3.errors import ConfigError, HexWarError, UnknownNameError
+from hexwar_sb3.processes import end_with_parent
+
+USER_ERROR, INTERRUPTED, BROKEN_PIPE = 2, 130, 141  # exit codes
+LEAST_COLUMNS = 40  # of help; on narrower terminals its layout does not end
+FRAME = {"─": "-", "│": "|", "•": "*"} | dict.fromkeys("╭╮╰╯├┤┬┴┼", "+")  # of help, in ASCII
+Failure = (
+    HexWarError,
+    OSError,
+    MemoryError,
+    UnicodeError,
+)  # UnicodeError: a name that this system cannot write
+
+
+def carry_out(program: str, action: Callable[[], int], stopped: str = "stopped") -> int:
+    """Run a command; return its exit code.
+
+    A mistake of the user's or trouble of the system's ends in one line; a reader who has seen enough (`| head`) in none.
+
+    Args:
+        program: what the line begins with.
+        action: the command; returns its exit code, or raises.
+        stopped: said after Ctrl-C.
+    """
+    end_with_parent()
+    _make_ready()
+    try:
+        code = _code_of(action)
+        for stream in (sys.stdout, sys.stderr):
+            stream.flush()
+    except BrokenPipeError:
+        code = BROKEN_PIPE
+    except Failure as error:
+        told = " ".join(str(error).split("\n")) or "not enough memory"
+        code = _complain(f"{program}: {told}", USER_ERROR)
+    except KeyboardInterrupt:
+        code = _complain(f"{program}: {stopped}", INTERRUPTED)
+    for stream in (sys.stdout, sys.stderr):
+        _give_up_where_nobody_reads(stream)
+    return code
+
+
+def _code_of(action: Callable[[], int]) -> int:
+    try:
+        return action()
+    except SystemExit as end:  # of help
+        return end.code if isinstance(end.code, int) else int(end.code is not None)
+
+
+def _complain(text: str, code: int) -> int:
+    with suppress(OSError):
+        print(text, file=sys.stderr, flush=True)
+    return code
+
+
+def _give_up_where_nobody_reads(stream: TextIO) -> None:
+    """Write to nowhere what is left, so that the end of the process says nothing of it."""
+    try:
+        stream.flush()
+    except OSError:
+        with suppress(OSError, ValueError):
+            os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
+
+
+def _make_ready() -> None:
+    """Make streams that take every text, also where one was closed or knows few characters."""
+    while (handle := os.open(os.devnull, os.O_RDWR)) <= 2:  # takes the number of one that was closed
+        os.set_inheritable(handle, True)
+    os.close(handle)
+    codecs.register_error("hexwar", _in_ascii)
+    for name in ("stdout", "stderr"):
+        stream = getattr(sys, name)
+        if stream is None:
+            setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))  # noqa: SIM115, PTH123  # to the end
+        elif isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="hexwar")
+    if get_terminal_size().columns < LEAST_COLUMNS:
+        os.environ["COLUMNS"] = str(LEAST_COLUMNS)
+
+
+def _in_ascii(error: UnicodeError) -> tuple[str | bytes, int]:
+    """Characters that a stream lacks: frames as ASCII draws them, others by their numbers."""
+    if not isinstance(error, UnicodeEncodeError):
+        raise error
+    text = error.object[error.start : error.end]
+    return "".join(FRAME.get(one) or ascii(one)[1:-1] for one in text), error.end
+
+
+@contextmanager
+def one_line_errors(arguments: Sequence[str], command: Any = None) -> Iterator[None]:
+    """Let what is wrong with arguments be an error of one line, not tyro's box.
+
+    Args:
+        arguments: that are parsed in the block.
+        command: dataclass whose fields are the flags.
+
+    Raises:
+        UnknownNameError: there is no such flag.
+        ConfigError: anything else.
+    """
+    said = io.StringIO()
+    try:
+        with redirect_stderr(said):
+            yield
+    except SystemExit as end:
+        if not end.code:
+            raise
+        box = said.getvalue()
+        if "Unrecognized options" in box:
+            _find_unknown(arguments, command)
+        raise ConfigError(_first_part(box)) from end
+
+
+def _find_unknown(arguments: Sequence[str], command: Any) -> None:
+    """Raise UnknownNameError for the first flag that is none."""
+    fields = [name.replace("_", "-") for name in getattr(command, "__dataclass_fields__", ())]
+    flags = {"--help", *(f"--{name}" for name in fields)}
+    for argument in arguments:
+        flag = argument.partition("=")[0].replace("_", "-")
+        if flag.startswith("--") and flag not in flags and f"--{flag[5:]}" not in flags:
+            raise UnknownNameError("flag", argument.partition("=")[0], flags)
+
+
+def _first_part(box: str) -> str:
+    """What a box of tyro's says up to its first rule, as one line."""
+    lines = [line.strip("│ ") for line in box.splitlines() if not line.startswith(("╭", "╰"))]
+    rule = next((k for k, line in enumerate(lines) if re.fullmatch("─+", line)), len(lines))
+    return " ".join(lines[:rule])
