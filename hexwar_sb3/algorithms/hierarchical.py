@@ -15,9 +15,10 @@ from stable_baselines3.common.vec_env import VecEnv
 
 from hexwar_sb3.algorithms.masked_dqn import MaskedDQN
 from hexwar_sb3.algorithms.model_file import File
-from hexwar_sb3.algorithms.parts import env_snapshot, part, restore_env, under
+from hexwar_sb3.algorithms.parts import check_observation, env_snapshot, part, placed, restore_env, under
 from hexwar_sb3.algorithms.qmix import QMIX
 from hexwar_sb3.checks import check_whole
+from hexwar_sb3.engine.fields import check_names
 from hexwar_sb3.envs.registration import ROUTE_ENV, make_vec_env
 from hexwar_sb3.envs.route_settings import RouteSettings, route_settings
 from hexwar_sb3.envs.route_vec_env import route_spaces
@@ -303,14 +304,22 @@ class HierarchicalQMIX(QMIX):
         }
 
     def restore(self, parts: Mapping[str, NDArray[Any]]) -> None:
-        """Take over what `snapshot` gave."""
+        """Take over what `snapshot` gave.
+
+        Raises:
+            CheckpointError: it is broken.
+        """
         if not parts:
             return
-        env = self._route_env()
+        check_names({name.partition("/")[0]: None for name in parts}, ("replay", "games", "last_obs"))
+        env, last_obs = self._route_env(), part("last_obs", parts)
         env.env_method("set_upper", self.policy.freeze())
-        self.lower.restore(part("replay", parts))
-        restore_env(env, part("games", parts))
-        self.lower._last_obs = part("last_obs", parts)  # noqa: SLF001
+        with placed("replay"):
+            self.lower.restore(part("replay", parts))
+        check_observation("last_obs", last_obs, env)
+        with placed("games"):
+            restore_env(env, part("games", parts))
+        self.lower._last_obs = last_obs  # noqa: SLF001
 
 
 def _reward_settings(env: VecEnv) -> dict[str, Any]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from typing import Any, ClassVar, Self, cast
 
@@ -26,6 +25,7 @@ from hexwar_sb3.algorithms.plain_spaces import plain_boxes, space_of_boxes
 from hexwar_sb3.algorithms.ranges import check_ranges
 from hexwar_sb3.algorithms.timed_replay import TimedReplayBuffer
 from hexwar_sb3.errors import ConfigError, TrainingError
+from hexwar_sb3.play.seeds import rng_array, rng_state
 from hexwar_sb3.policies.masked import MASK, MaskedDQNPolicy, MaskedQRDQNPolicy, check_masked_spaces
 
 Observation = Mapping[str, NDArray[Any]]
@@ -315,17 +315,18 @@ class MaskedLearner(MaskedExploration, PlainZip):
         Beside them a checkpoint holds the zip, torch's and numpy's global random states, the running
         episodes and `_last_obs`.
         """
-        random = np.array(json.dumps(self.rng.bit_generator.state))
-        return {"random": random, **self.replay_buffer.snapshot()}
+        return {"random": rng_array(self.rng), **self.replay_buffer.snapshot()}
 
     def restore(self, parts: Mapping[str, NDArray[Any]]) -> None:
         """Take over what `snapshot` gave.
 
         Raises:
             ConfigError: the replay is of another number of envs, or larger than this model's.
+            CheckpointError: it is broken; the model is as it was.
         """
-        self.replay_buffer.restore(parts)
-        self.rng.bit_generator.state = json.loads(str(parts["random"]))
+        state = rng_state(parts.get("random"), "random")
+        self.replay_buffer.restore({name: array for name, array in parts.items() if name != "random"})
+        self.rng.bit_generator.state = state
 
 
 def _check_same(observation_space: spaces.Space[Any], action_space: spaces.Space[Any], env: GymEnv) -> None:

@@ -10,13 +10,12 @@ from abc import abstractmethod
 from collections.abc import Iterable
 from typing import Any, BinaryIO, ClassVar, Self
 
-import numpy as np
 import torch
 from gymnasium import spaces
 from stable_baselines3.common.off_policy_algorithm import OffPolicyAlgorithm
 from stable_baselines3.common.type_aliases import GymEnv
 
-from hexwar_sb3.algorithms.parts import write_arrays
+from hexwar_sb3.algorithms.parts import placed, read_replay, write_arrays
 from hexwar_sb3.algorithms.replay import StepReplay
 from hexwar_sb3.errors import CheckpointError, ConfigError
 from hexwar_sb3.files import replacing
@@ -98,9 +97,14 @@ class PlainZip(OffPolicyAlgorithm):
             path.write(steps.getvalue())
 
     def load_replay_buffer(self, path: File, truncate_last_traj: bool = True) -> None:
-        """Read what `save_replay_buffer` wrote."""
-        with np.load(path, allow_pickle=False) as steps:
-            self.replay_buffer.restore(dict(steps))
+        """Read what `save_replay_buffer` wrote.
+
+        Raises:
+            CheckpointError: it is broken, or no replay.
+            ConfigError: it is of another number of games, or larger than this model's.
+        """
+        with placed(source=_name(path)):
+            self.replay_buffer.restore(read_replay(path))
 
     def _excluded_save_params(self) -> list[str]:
         return [*super()._excluded_save_params(), *self.made_again, *self.of_the_run]

@@ -13,8 +13,9 @@ from jaxtyping import Bool, Float, Int
 from numpy.typing import NDArray
 from torch import Tensor
 
-from hexwar_sb3.algorithms.parts import Joined
+from hexwar_sb3.algorithms.parts import FLAGS, Joined, check_box, check_flags
 from hexwar_sb3.algorithms.td_targets import DECISION_TICKS, n_step_return, row_discount
+from hexwar_sb3.engine.fields import check_all, check_form, check_names, check_range, refuse
 from hexwar_sb3.errors import ConfigError, TrainingError
 from hexwar_sb3.policies.shapes import TaskShapes
 from hexwar_sb3.policies.task_sets import TaskSets, pack_observation
@@ -84,10 +85,15 @@ class StepReplay:
         self.n_envs, self.rows, self.device, self.gamma = n_envs, max(buffer_size // n_envs, 2), device, gamma
         self.n_pieces, self.n_tasks = shapes.n_pieces, shapes.n_tasks
         size = (n_envs, self.rows)
-        boxes = dict(cast("spaces.Dict", observation_space).items())
+        boxes = self._boxes = dict(cast("spaces.Dict", observation_space).items())
         features = boxes.pop("tasks")
         self.obs = {key: np.zeros((*size, *(box.shape or ())), _storage(box)) for key, box in boxes.items()}
         self._none = np.zeros((0, shapes.task_dim), _storage(features))
+        ends = (
+            cast("spaces.Box", features).low.min(axis=(0, 1)),
+            cast("spaces.Box", features).high.max(axis=(0, 1)),
+        )
+        self._row_box = spaces.Box(*ends, dtype=cast("Any", features.dtype))  # of one row of a task set
         # Valid rows of all pieces [n, task_dim], of each step: number game * rows + row.
         self.sets = [self._none] * (n_envs * self.rows)
         self.tasks = np.zeros((*size, shapes.n_pieces), np.int16)
@@ -259,18 +265,55 @@ class StepReplay:
 
         Raises:
             ConfigError: it is of another number of games, or larger than this replay.
+            CheckpointError: it is broken; the replay is as it was.
         """
-        games, used = parts["reward"].shape
-        if games != len(self.reward) or used > self.reward.shape[1]:
-            found, room = f"{used} steps of {games} games", f"{self.reward.shape[1]} of {len(self.reward)}"
-            raise ConfigError(f"the stored replay holds {found}, this one has room for {room}")
-        self.used = used
+        parts = {name: np.asarray(array) for name, array in parts.items()}  # a `Joined` too
+        self.used = used = self._check(parts)
         self.is_step[:] = False
         for name, array in self._arrays().items():
-            array[:, : self.used] = parts[name]
-        mask = self.obs["action_mask"][:, : self.used].reshape(-1, self.n_pieces, self.n_tasks) != 0
-        self._keep_sets(self._used_steps(), mask, np.asarray(parts["sets"]))
+            array[:, :used] = parts[name]
+        mask = self.obs["action_mask"][:, :used].reshape(-1, self.n_pieces, self.n_tasks) != 0
+        self._keep_sets(self._used_steps(), mask, parts["sets"])
         self.next_row = np.array(parts["next_row"])
+
+    def _check(self, parts: Mapping[str, NDArray[Any]]) -> int:
+        """Check what another replay gave; the rows that it used."""
+        own = self._arrays()
+        check_names(parts, [*own, "sets", "next_row"])
+        games, used = (
+            shape if len(shape := np.shape(parts["reward"])) == 2 else refuse("reward", shape, "two axes")
+        )
+        if games != self.n_envs or used > self.rows:
+            found, room = f"{used} steps of {games} games", f"{self.rows} of {self.n_envs}"
+            raise ConfigError(f"the stored replay holds {found}, this one has room for {room}")
+        for name, array in own.items():
+            check_form(name, parts[name], array.dtype, (games, used, *array.shape[2:]))
+        for key, box in self._boxes.items():
+            check_box(f"obs_{key}", parts[f"obs_{key}"], box)
+        for key in FLAGS:
+            check_flags(f"obs_{key}", parts[f"obs_{key}"])
+        mask = parts["obs_action_mask"]
+        check_form(
+            "sets", parts["sets"], self._none.dtype, (int(mask.sum(dtype=np.int64)), *self._none.shape[1:])
+        )
+        check_box("sets", parts["sets"], self._row_box)
+        self._check_steps(parts, mask, used)
+        return used
+
+    def _check_steps(self, parts: Mapping[str, NDArray[Any]], mask: NDArray[Any], used: int) -> None:
+        reward, done, is_step = parts["reward"], parts["done"], parts["is_step"]
+        check_all("reward", np.isfinite(reward), reward, "finite numbers")
+        check_range("discount", parts["discount"], 0.0, 1.0)
+        check_all("terminated", done | ~parts["terminated"], parts["terminated"], "the end of a game")
+        tasks = parts["tasks"].astype(np.int64)
+        check_range("tasks", tasks, 0, self.n_tasks - 1)
+        valid = np.take_along_axis(mask, tasks[..., None], axis=-1)[..., 0] != 0
+        check_all("tasks", valid | ~is_step[..., None], tasks, "tasks that were not masked")
+        next_row = parts["next_row"]
+        check_form("next_row", next_row, np.int64, (self.n_envs,))
+        check_range("next_row", next_row, 0, self.rows - 1)
+        free = ~is_step[np.arange(self.n_envs), np.minimum(next_row, used - 1)] | (next_row >= used)
+        check_all("next_row", free, next_row, "a row without a step")
 
     def _arrays(self) -> dict[str, NDArray[Any]]:
         names = ("tasks", "reward", "discount", "terminated", "done", "is_step")

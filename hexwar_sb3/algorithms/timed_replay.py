@@ -13,7 +13,9 @@ from stable_baselines3.common.buffers import DictReplayBuffer
 from stable_baselines3.common.type_aliases import DictReplayBufferSamples, TensorDict
 from stable_baselines3.common.vec_env import VecNormalize
 
+from hexwar_sb3.algorithms.parts import FLAGS, check_box, check_flags
 from hexwar_sb3.algorithms.td_targets import n_step_return
+from hexwar_sb3.engine.fields import check_all, check_form, check_names, check_range, refuse
 from hexwar_sb3.errors import ConfigError, TrainingError
 
 
@@ -122,15 +124,44 @@ class TimedReplayBuffer(DictReplayBuffer):
 
         Raises:
             ConfigError: it is of another number of envs, or larger than this replay.
+            CheckpointError: it is broken; the replay is as it was.
         """
-        rows, n_envs = parts["rewards"].shape
-        if n_envs != self.n_envs or rows > self.buffer_size:
-            found, room = f"{rows} transitions of {n_envs} envs", f"{self.buffer_size} of {self.n_envs}"
-            raise ConfigError(f"the stored replay holds {found}, this one has room for {room}")
+        rows = self._check(parts)
         for name, array in self._arrays().items():
             array[:rows] = parts[name]
         self.full = rows == self.buffer_size
         self.pos = int(parts["pos"]) % rows if self.full else rows
+
+    def _check(self, parts: Mapping[str, NDArray[Any]]) -> int:
+        """Check what another replay gave; its number of rows."""
+        own = self._arrays()
+        check_names(parts, [*own, "pos"])
+        rows, n_envs = (
+            shape if len(shape := np.shape(parts["rewards"])) == 2 else refuse("rewards", shape, "two axes")
+        )
+        if n_envs != self.n_envs or rows > self.buffer_size:
+            found, room = f"{rows} transitions of {n_envs} envs", f"{self.buffer_size} of {self.n_envs}"
+            raise ConfigError(f"the stored replay holds {found}, this one has room for {room}")
+        for name, array in own.items():
+            check_form(name, parts[name], array.dtype, (rows, n_envs, *array.shape[2:]))
+        for key, box in self.observation_space.items():
+            for name in (f"obs_{key}", f"next_obs_{key}"):
+                check_box(name, parts[name], box)
+                if key in FLAGS:
+                    check_flags(name, parts[name])
+        for name in ("rewards", "steps"):
+            check_all(name, np.isfinite(parts[name]), parts[name], "finite numbers")
+        check_all("steps", parts["steps"] >= 0.0, parts["steps"], "at least 0")
+        for name in ("dones", "timeouts"):
+            check_flags(name, parts[name])
+        if isinstance(self.action_space, spaces.Discrete):
+            first = int(self.action_space.start)
+            check_range("actions", parts["actions"], first, first + int(self.action_space.n) - 1)
+        else:
+            check_box("actions", parts["actions"], self.action_space)
+        check_form("pos", parts["pos"], np.int64, ())
+        check_range("pos", parts["pos"], 0, rows)
+        return rows
 
     def _arrays(self) -> dict[str, NDArray[Any]]:
         names = ("actions", "rewards", "dones", "timeouts", "steps")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from dataclasses import fields
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +14,7 @@ from hexwar_sb3.engine.order_rows import write_order
 from hexwar_sb3.engine.orders import Order
 from hexwar_sb3.engine.roster import Roster, parse_camp
 from hexwar_sb3.engine.score import margin
+from hexwar_sb3.engine.sound import check_state
 from hexwar_sb3.engine.state import State, new_state, reset_game
 from hexwar_sb3.engine.step import advance
 from hexwar_sb3.engine.view import SideView, side_view
@@ -83,8 +85,14 @@ class Engine:
         return copy
 
     def restore(self, b: int, snapshot: State) -> None:
-        """Put game b back to a snapshot of any batch of the same world."""
-        self.state.copy_from(snapshot, b, 0)
+        """Put game b back to a snapshot of any batch of the same world.
+
+        Raises:
+            CheckpointError: it is no game of this world.
+        """
+        start = new_state(self.world, 1)
+        arrays = {field.name: getattr(snapshot, field.name) for field in fields(State)}
+        self.state.copy_from(check_state(self.world, arrays, start, start), b, 0)
 
 
 @kernel

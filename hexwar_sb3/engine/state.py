@@ -132,7 +132,7 @@ def _set_up_game(game: Row, world: World) -> None:
     seed_game(game, np.uint64(0))
 
 
-_TIMERS = (
+TIMERS = (
     "arrives_at",
     "stop_ends",
     "hide_ends",
@@ -153,7 +153,7 @@ def _set_up_piece(i: int, pieces: Rows, world: World) -> None:
     piece.blood = rules.blood[start.kind]
     piece.ammo[:] = rules.pool_ammo[start.kind]
     piece.arrived_at = -1
-    for timer in _TIMERS:
+    for timer in TIMERS:
         piece[timer] = NEVER
     for link in ("board_partner", "home", "carrier", "passenger"):
         piece[link] = NO_PIECE

@@ -8,10 +8,13 @@ import numpy as np
 from gymnasium import spaces
 from numpy.typing import NDArray
 
+from hexwar_sb3.engine.fields import check_all, check_range
+from hexwar_sb3.engine.state import State
 from hexwar_sb3.envs.route_vec_env import check_answers
 from hexwar_sb3.envs.settings import TaskSettings, task_settings
 from hexwar_sb3.envs.task_games import Span, TaskGames
 from hexwar_sb3.errors import ConfigError
+from hexwar_sb3.kernels import Rows
 from hexwar_sb3.play.arena import Games, Snapshot
 from hexwar_sb3.play.flat import flat_observation
 from hexwar_sb3.rules.enums import Camp
@@ -34,6 +37,8 @@ class FlatGames(TaskGames):
     A piece sees the state of the decision: the turns that others had before it change nothing yet. The
     direction of an action is kept from cell to cell until it is illegal or the piece has its next turn.
     """
+
+    keeps_answers = True
 
     def __init__(self, n_games: int, settings: TaskSettings, seed: int = 0) -> None:
         super().__init__(n_games, settings, seed)
@@ -105,6 +110,15 @@ class FlatGames(TaskGames):
         self.look(which)
         self.picked[which], self.answers[which] = 0, 0
         return self._pass_on(which, BEFORE_ALL)
+
+    def _check_slots(self, snapshot: Snapshot, state: State, drives: Rows) -> None:
+        super()._check_slots(snapshot, state, drives)
+        check_range("answers", snapshot["answers"], 0, N_ANSWERS - 1)
+        acting, n_pieces = snapshot["acting"], self.picked.shape[1]
+        check_range("acting", acting, 0, n_pieces - 1)
+        first = np.array([self.arena.world.side(camp).start for camp in (Camp.RED, Camp.BLUE)])
+        lives = state.pieces.blood[self.all, first[snapshot["camps"]] + acting] > 0
+        check_all("acting", lives | (state.games.over == 1), acting, "a living piece")
 
     def _slots(self) -> Snapshot:
         return {**super()._slots(), "acting": self.acting, "picked": self.picked, "answers": self.answers}

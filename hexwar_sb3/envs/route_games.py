@@ -6,14 +6,14 @@ place. Then the next piece of the same game takes its turn, so that all types of
 
 from __future__ import annotations
 
-import json
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from hexwar_sb3.engine.fields import check_all, check_form, check_names, check_range
 from hexwar_sb3.engine.pieces import on_map
-from hexwar_sb3.engine.records import NEVER, NO_PIECE
+from hexwar_sb3.engine.records import NEVER, NO_CELL, NO_PIECE
 from hexwar_sb3.envs.route_settings import RANDOM_UPPER, Field, RouteSettings
 from hexwar_sb3.envs.task_games import TaskGames
 from hexwar_sb3.errors import ConfigError
@@ -23,6 +23,7 @@ from hexwar_sb3.play.arena import Games, Snapshot
 from hexwar_sb3.play.lower import asks
 from hexwar_sb3.play.lower_policy import FrozenLower, Lower
 from hexwar_sb3.play.player import BotPlayer, Player, make_player
+from hexwar_sb3.play.seeds import rng_array, rng_state
 from hexwar_sb3.rules.enums import Camp
 from hexwar_sb3.tasks.choose import assign
 from hexwar_sb3.tasks.features import PER_HOP, index
@@ -340,15 +341,71 @@ class RouteGames:
     def snapshot(self) -> Snapshot:
         """Everything that changes in play, as arrays."""
         focus = {f"focus_{name}": value.copy() for name, value in vars(self.focus).items()}
-        rng = np.array(json.dumps(self.rng.bit_generator.state))
-        return {**self.tasks.snapshot(), **focus, "rng": rng}
+        return {**self.tasks.snapshot(), **focus, "rng": rng_array(self.rng)}
 
     def restore(self, snapshot: Snapshot) -> None:
-        """Go on where `snapshot` was taken, in an env of the same settings."""
-        self.tasks.restore(snapshot)
+        """Go on where `snapshot` was taken, in an env of the same settings.
+
+        Raises:
+            ConfigError: it was taken on another scenario, under other rules, with other bots or more opponents.
+            CheckpointError: it is broken; nothing is changed then.
+        """
+        self.check(snapshot)
+        self.tasks.restore(self._of_tasks(snapshot), self._waiting(snapshot))
         for name, value in vars(self.focus).items():
             value[...] = snapshot[f"focus_{name}"]
-        self.rng.bit_generator.state = json.loads(str(snapshot["rng"]))
+        for b, piece in enumerate(self.focus.piece.tolist()):
+            self.arena.lead_outside(b, (piece,))
+        self.arena.drives.waiting = self._waiting(snapshot)
+        self.rng.bit_generator.state = rng_state(snapshot["rng"], "rng")
+
+    def check(self, snapshot: Snapshot) -> None:
+        """Check a snapshot, whatever wrote it, before anything is changed.
+
+        Raises:
+            ConfigError, CheckpointError: as `restore`.
+        """
+        check_names(snapshot, [*self._of_tasks(snapshot), *self._focus_names(), "rng"])
+        rng_state(snapshot["rng"], "rng")
+        for name in self._focus_names():
+            check_form(name, snapshot[name], np.int64, (self.n_games,))
+        world = self.arena.world
+        check_range("focus_piece", snapshot["focus_piece"], 0, world.n_pieces - 1)
+        state, plans, _ = self.tasks.check(self._of_tasks(snapshot), self._waiting(snapshot))
+        focal = self.all, snapshot["focus_piece"]
+        piece, plan = state.pieces[focal], plans[focal]
+        check_all(
+            "focus_piece",
+            piece.camp == snapshot["camps"],
+            snapshot["focus_piece"],
+            "a piece of the learner's",
+        )
+        asks = (
+            (piece.blood > 0)
+            & (piece.carrier == NO_PIECE)
+            & (piece.arrives_at == NEVER)
+            & (plan.goal != NO_CELL)
+        )
+        asks &= (plan.state != ENDED) & ~np.isin(plan.kind, (TaskKind.STOP, TaskKind.RECOVER))
+        check_all("focus_piece", asks, snapshot["focus_piece"], "a piece that has a way to go")
+        for name in _TASK_FIELDS:
+            its = snapshot[f"focus_{name}"]
+            check_all(f"focus_{name}", its == plan[name], its, "what the piece's task has")
+        sides = [world.side(camp) for camp in (Camp.RED, Camp.BLUE)]
+        own = np.array([side.stop - side.start for side in sides])[snapshot["camps"]]
+        check_range("focus_turn", snapshot["focus_turn"], -1, "last", {"last": own - 1})
+        check_range("focus_hops", snapshot["focus_hops"], 0, "tick", {"tick": state.games.tick})
+
+    def _focus_names(self) -> list[str]:
+        return [f"focus_{name}" for name in vars(self.focus)]
+
+    def _of_tasks(self, snapshot: Snapshot) -> Snapshot:
+        """The part that the task games took."""
+        return {name: array for name, array in snapshot.items() if name not in (*self._focus_names(), "rng")}
+
+    def _waiting(self, snapshot: Snapshot) -> NDArray[np.uint32]:
+        """Bit of the focal piece of each game: it waits [n]."""
+        return np.uint32(1) << snapshot["focus_piece"].astype(np.uint32)
 
 
 def check_leader(lower: Lower) -> Lower:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from stable_baselines3.common.vec_env.base_vec_env import VecEnvStepReturn
 
 from hexwar_sb3.checks import check_whole
+from hexwar_sb3.engine.fields import refuse
 from hexwar_sb3.envs.native_vec_env import NativeVecEnv
 from hexwar_sb3.envs.route_games import Hop, RouteGames, check_leader
 from hexwar_sb3.envs.route_settings import RouteSettings
@@ -114,13 +115,22 @@ class RouteVecEnv(NativeVecEnv):
         }
 
     def restore(self, snapshot: Snapshot) -> Obs:
-        """Go on where `snapshot` was taken, in an env of the same settings; the observation there."""
-        for k, games in enumerate(self.fields):
-            start = f"{k}/"
-            parts = {
-                name.removeprefix(start): part for name, part in snapshot.items() if name.startswith(start)
-            }
-            games.restore(parts)
+        """Go on where `snapshot` was taken, in an env of the same settings; the observation there.
+
+        Raises:
+            ConfigError: it was taken on another scenario, under other rules, with other bots or more opponents.
+            CheckpointError: it is broken; the env is as it was.
+        """
+        parts: list[Snapshot] = [{} for _ in self.fields]
+        for name, array in snapshot.items():
+            k, _, rest = name.partition("/")
+            if k not in map(str, range(len(parts))):
+                refuse(name, "an unknown name", f"games of {len(parts)} scenarios")
+            parts[int(k)][rest] = array
+        for games, part in zip(self.fields, parts, strict=True):
+            games.check(part)
+        for games, part in zip(self.fields, parts, strict=True):
+            games.restore(part)
         return self._look()
 
 

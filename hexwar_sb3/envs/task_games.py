@@ -10,16 +10,22 @@ from gymnasium import spaces
 from numpy.typing import NDArray
 
 from hexwar_sb3.bots.config import bots_hash
+from hexwar_sb3.bots.registry import BOTS
 from hexwar_sb3.checks import check_whole
+from hexwar_sb3.engine.fields import check_all, check_form, check_names, check_range, refuse
 from hexwar_sb3.engine.roster import camp_name, enemy_of, parse_camp
+from hexwar_sb3.engine.state import State
 from hexwar_sb3.engine.world import load_world
 from hexwar_sb3.envs.settings import TaskSettings
-from hexwar_sb3.errors import ConfigError
+from hexwar_sb3.errors import ConfigError, shortened
+from hexwar_sb3.kernels import Rows
 from hexwar_sb3.play.arena import Arena, Games, Setup, Snapshot, check_actions
 from hexwar_sb3.play.look import Sight
+from hexwar_sb3.play.lower import KEPT
 from hexwar_sb3.play.lower_policy import make_lower
 from hexwar_sb3.play.player import BotPlayer, Seat, make_mixture, make_player
-from hexwar_sb3.play.seeds import check_seed, episode_draw, game_seed
+from hexwar_sb3.play.records import EXTERNAL
+from hexwar_sb3.play.seeds import check_seed, episode_draw, game_seed, seed_array, seed_of
 from hexwar_sb3.play.warm import WARM_TICKS, send_out
 from hexwar_sb3.rules.enums import Camp
 from hexwar_sb3.tasks.features import BOUND, index
@@ -28,6 +34,8 @@ from hexwar_sb3.tasks.records import MAX_TASKS
 Obs = dict[str, NDArray[Any]]
 
 _UNDER_WAY = index("row", 1, 1, 1)["task: under way"].start  # column of a task row
+
+MOST_EPISODES = 2**62  # far below the end of int64
 
 _DEMO_STREAM, _WARM_STREAM = 2, 3  # of an episode's draws; 1 is the opponent's
 
@@ -49,6 +57,8 @@ class TaskGames:
     Observations lie in two sets of buffers that take turns: one stays as it is until the step after
     the next.
     """
+
+    keeps_answers = False  # the learner gives directions beside its tasks
 
     def __init__(self, n_games: int, settings: TaskSettings, seed: int = 0) -> None:
         check_whole("n_envs", n_games, least=1)
@@ -166,35 +176,116 @@ class TaskGames:
 
     def snapshot(self) -> Snapshot:
         """Everything that changes in play, as arrays without objects."""
-        counters = np.array([self._seed, self._next_episode], np.int64)
         slots = {name: array.copy() for name, array in self._slots().items()}
-        return {**self.arena.snapshot(), **slots, "counters": counters, "origin": self._origin()}
+        counters = {"seed": seed_array(self._seed), "next_episode": np.array(self._next_episode)}
+        return {**self.arena.snapshot(), **slots, **counters, "origin": self._origin()}
 
-    def restore(self, snapshot: Snapshot) -> Obs:
+    def restore(self, snapshot: Snapshot, waiting: NDArray[np.uint32] | None = None) -> Obs:
         """Go on where `snapshot` was taken, in an env of the same settings; the observation there.
+
+        Args:
+            snapshot: to restore.
+            waiting: as in `check`.
 
         Raises:
             ConfigError: it was taken on another scenario, under other rules, with other bots or more opponents.
+            CheckpointError: it is broken; the env is as it was.
         """
-        for mine, its in zip(self._origin(), snapshot["origin"], strict=True):
-            if mine != its:
-                raise ConfigError(f"these games were saved with {its}, this env has {mine}")
-        least, own = int(np.max(snapshot["opponents"])) + 1, len(self.mixture.players)
-        if own < least:
-            raise ConfigError(
-                f"these games were saved with {least} opponents or more, this env has {own}: set them first"
-                " (SelfPlayCallback.seat does)"
-            )
+        _, _, drives = self.check(snapshot, waiting)
         for name, array in self._slots().items():
             array[...] = snapshot[name]
-        self._seed, self._next_episode = (int(n) for n in snapshot["counters"])
+        self._seed = seed_of(snapshot["seed"], "seed")
+        self._next_episode = int(snapshot["next_episode"])
         for b in self.all:
-            self.rivals[b] = self.mixture.players[self.opponents[b]]
+            self.rivals[b] = self._rival(self.opponents[b], drives.seat[b, 1 - self.camps[b]])
             for camp, seat in enumerate(self._seats(int(b))):
                 self.arena.sit(int(b), camp, seat)
             self._lead(int(b))
         self.arena.restore(snapshot)
+        for b in self.all:
+            self.arena.lead_outside(int(b), ())  # as the lower levels here have it
         return self.look(self.all)
+
+    def check(
+        self, snapshot: Snapshot, waiting: NDArray[np.uint32] | None = None
+    ) -> tuple[State, Rows, Rows]:
+        """Check a snapshot, whatever wrote it, before anything is changed.
+
+        Args:
+            snapshot: to check.
+            waiting: bits of the pieces that wait for an answer from outside, in each game; None: of none [n].
+
+        Returns:
+            Copies of its state, plans and drives.
+
+        Raises:
+            ConfigError, CheckpointError: as `restore`.
+        """
+        self._check_origin(snapshot)
+        names, slots = set(self.arena.snapshot()), self._slots()
+        check_names(snapshot, [*names, *slots, "seed", "next_episode", "origin"])
+        for name, array in slots.items():
+            check_form(name, snapshot[name], array.dtype, array.shape)
+        seed_of(snapshot["seed"], "seed")
+        check_form("next_episode", snapshot["next_episode"], np.int64, ())
+        check_range("next_episode", snapshot["next_episode"], 0, MOST_EPISODES)
+        check_range("episodes", snapshot["episodes"], 0, MOST_EPISODES)  # -1: no game has begun there
+        state, plans, drives = self.arena.check({name: snapshot[name] for name in names})
+        check_all(
+            "drives.waiting", drives.waiting == (0 if waiting is None else waiting), drives.waiting, "none"
+        )
+        self._check_slots(snapshot, state, drives)
+        return state, plans, drives
+
+    def _check_origin(self, snapshot: Snapshot) -> None:
+        own, origin = self._origin(), snapshot.get("origin")
+        if origin is None or origin.dtype.kind != "U" or origin.shape != own.shape:
+            refuse("origin", "something else", "names of rules, scenario and bots")
+        for mine, its in zip(own, origin, strict=True):
+            if mine != its:
+                raise ConfigError(f"these games were saved with {shortened(its)}, this env has {mine}")
+
+    def _check_slots(self, snapshot: Snapshot, state: State, drives: Rows) -> None:
+        """Check who plays which camp against whom."""
+        camps, opponents, demos = (snapshot[name] for name in ("camps", "opponents", "demos"))
+        own = np.array([self._camp_of(int(episode)) for episode in snapshot["episodes"]])
+        check_all("camps", camps == own, camps, "the camp of the episode")
+        check_range("opponents", opponents, 0, MOST_EPISODES)
+        least, most = int(opponents.max()) + 1, len(self.mixture.players)
+        if most < least:
+            raise ConfigError(
+                f"these games were saved with {least} opponents or more, this env has {most}: set them first"
+                " (SelfPlayCallback.seat does)"
+            )
+        bot = self.demo_bot.bot if isinstance(self.demo_bot, BotPlayer) else EXTERNAL
+        check_all("demos", ~demos | (self.demo_bot is not None), demos, "a demo_bot to play them")
+        seats = drives.seat[self.all, camps]
+        check_all("drives.seat", seats == np.where(demos, bot, EXTERNAL), seats, "nobody but the learner")
+        for b in self.all:
+            self._rival(opponents[b], drives.seat[b, 1 - camps[b]])
+        rivals = 1 - camps
+        asked = np.where(drives.seat == EXTERNAL, 1, np.arange(2) == camps[:, None])
+        check_all(
+            "drives.asked", drives.asked == asked, drives.asked, "1 for the learner, and where no bot sits"
+        )
+        kept = (drives.lower == KEPT) & (self.keeps_answers | (np.arange(2) == rivals[:, None]))
+        check_all("drives.lower", (drives.lower != KEPT) | kept, drives.lower, "a lower level that is asked")
+
+    def _rival(self, opponent: int, seat: int) -> Seat:
+        """Who plays on against the learner: a bot that began a game ends it, whatever the mixture has now.
+
+        Raises:
+            ConfigError: a policy began it, and a bot has its place now.
+        """
+        player = self.mixture.players[opponent]
+        if seat != EXTERNAL:
+            return next(BotPlayer(name, spec.id) for name, spec in BOTS.items() if spec.id == seat)
+        if isinstance(player, BotPlayer):
+            raise ConfigError(
+                f"these games were saved with a policy as opponent {opponent}, this env has {player.name}:"
+                " set it first (SelfPlayCallback.seat does)"
+            )
+        return player
 
     def _origin(self) -> NDArray[np.str_]:
         world = self.arena.world

@@ -4,15 +4,18 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from pathlib import Path
-from zipfile import BadZipFile
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from hexwar_sb3.errors import FileFormatError
 from hexwar_sb3.evaluation.panel import Panel
 from hexwar_sb3.evaluation.results import CampResult
 from hexwar_sb3.files import replacing
+from hexwar_sb3.reading import opened, read_arrays
 
+Arrays = dict[str, NDArray[Any]]
 KEYS = ("timesteps", "game_ticks", "results", "successes", "points_held")
 
 
@@ -55,14 +58,35 @@ class History:
         Raises:
             FileFormatError: the file is not one of ours.
         """
-        try:
-            with path.open("rb") as file, np.load(file, allow_pickle=False) as data:
-                timesteps, ticks, margins, scores, points = (data[key] for key in KEYS)
-        except (OSError, ValueError, KeyError, EOFError, BadZipFile) as error:
-            raise FileFormatError(path, "file", found=str(error), expected=f"arrays {KEYS}") from error
+        expected = f"arrays {KEYS}"
+        with opened(path, expected=expected) as file:
+            data = read_arrays(file, path, expected=expected)
+        if problem := _problem(data):
+            raise FileFormatError(path, "file", found=problem, expected=expected)
+        timesteps, ticks, margins, scores, points = (data[key] for key in KEYS)
         rows = [i for i, step in enumerate(timesteps) if until is None or step <= until]
         return cls(
             [int(timesteps[i]) for i in rows],
             [int(ticks[i]) for i in rows],
             [CampResult(scores[i], margins[i], points[i]) for i in rows],
         )
+
+
+def _problem(data: Arrays) -> str | None:
+    """What is wrong with the arrays of a file; None: nothing."""
+    if missing := [key for key in KEYS if key not in data]:
+        return f"no {missing[0]!r}"
+    timesteps, ticks, margins, scores, points = (data[key] for key in KEYS)
+    for key in KEYS:
+        if data[key].dtype.kind not in "iuf" or not np.isfinite(data[key]).all():
+            return f"values in {key!r} that are no finite numbers"
+    if timesteps.ndim != 1 or ticks.shape != timesteps.shape or (np.diff(timesteps) < 0).any():
+        return f"timesteps {timesteps.shape} and game_ticks {ticks.shape}"
+    games = margins.shape[:1] == timesteps.shape and (margins.ndim == 2 or not timesteps.size)
+    if not games or scores.shape != margins.shape or points.shape != margins.shape:
+        return f"results {margins.shape}, successes {scores.shape} and points_held {points.shape}"
+    if not np.isin(scores, (0.0, 0.5, 1.0)).all():
+        return "a success that is none of 0, 0.5 and 1"
+    if min(array.min(initial=0) for array in (timesteps, ticks, points)) < 0:
+        return "a number below 0"
+    return None

@@ -12,9 +12,11 @@ from numpy.typing import NDArray
 from hexwar_sb3.bots.atlas import make_atlas
 from hexwar_sb3.bots.records import BRAIN
 from hexwar_sb3.checks import check_whole
+from hexwar_sb3.engine.fields import check_form, check_names, check_same, copied
 from hexwar_sb3.engine.records import NEVER
 from hexwar_sb3.engine.score import margin, points_held
 from hexwar_sb3.engine.sight import remember
+from hexwar_sb3.engine.sound import check_state
 from hexwar_sb3.engine.state import State, new_state, seed_game
 from hexwar_sb3.engine.world import World
 from hexwar_sb3.errors import ConfigError
@@ -26,6 +28,7 @@ from hexwar_sb3.play.lower import HEURISTIC, KEPT, LOWER_NET, tell_pieces
 from hexwar_sb3.play.lower_policy import HEURISTIC_LOWER, Answerer, FrozenLower, Lower, check_answers
 from hexwar_sb3.play.player import BotPlayer, Player, Seat
 from hexwar_sb3.play.records import DECISION_TICKS, DRIVE, EXTERNAL
+from hexwar_sb3.play.sound import check_play
 from hexwar_sb3.rules.enums import Camp
 from hexwar_sb3.tasks.choose import clear_plans, new_plans
 from hexwar_sb3.tasks.route import N_ANSWERS, new_route_buffers
@@ -310,11 +313,36 @@ class Arena:
         return {name: array.copy() for name, array in self._arrays().items()}
 
     def restore(self, snapshot: Snapshot) -> None:
-        """Put back what `snapshot` took; the players must be seated again first, with their lower levels."""
+        """Put back what `snapshot` took; the players must be seated again first, with their lower levels.
+
+        What comes from elsewhere is to be checked first (`check`).
+        """
         lower = self.drives.lower.copy()  # numbers of networks are this arena's own
+        for name, array in self._arrays().items():
+            check_form(name, snapshot[name], array.dtype, array.shape)
         for name, array in self._arrays().items():
             array[...] = snapshot[name]
         self.drives.lower = np.where(self.drives.lower == KEPT, KEPT, lower)
+
+    def check(self, snapshot: Snapshot) -> tuple[State, Rows, Rows]:
+        """Check a snapshot that may come from a file: kernels trust every index in it.
+
+        Returns:
+            Copies of its state, plans and drives.
+
+        Raises:
+            CheckpointError: these are no games of this world, as this arena plays them.
+        """
+        check_names(snapshot, self._arrays())
+        arrays = {field.name: snapshot[field.name] for field in fields(State)}
+        state = check_state(self.world, arrays, self.state, self._start)
+        plans, brains, drives = (
+            copied(name, snapshot[name], getattr(self, name)) for name in ("plans", "brains", "drives")
+        )
+        setup = {"period": self.setup.decision_ticks, "early": self.setup.early}
+        check_same("drives", drives, {name: np.array(value) for name, value in setup.items()}, setup)
+        check_play(self.world, state, plans, brains, drives)
+        return state, plans, drives
 
     def _arrays(self) -> Snapshot:
         state = {field.name: getattr(self.state, field.name) for field in fields(State)}
