@@ -39,7 +39,7 @@ from hexwar_sb3.envs.registration import ROUTE_ENV, make_vec_env
 from hexwar_sb3.envs.route_settings import RouteSettings, route_settings
 from hexwar_sb3.envs.route_vec_env import route_spaces
 from hexwar_sb3.envs.settings import TaskSettings
-from hexwar_sb3.errors import ConfigError
+from hexwar_sb3.errors import CheckpointError, ConfigError
 from hexwar_sb3.play.lower_policy import HEURISTIC_LOWER, FrozenLower, Lower
 from hexwar_sb3.play.routes import measure_routes
 from hexwar_sb3.policies.masked import MaskedDQNPolicy, freeze_lower
@@ -318,6 +318,18 @@ class HierarchicalQMIX(QMIX):
         """Write one model zip for both levels."""
         self.lower_counters = {name: int(getattr(self.lower, name)) for name in LOWER_COUNTERS.table}
         super().save(path, *args, **kwargs)
+
+    def _take(self, zipped: ModelZip) -> None:
+        """Take the weights of a zip.
+
+        Raises:
+            CheckpointError: they are others than this model's, or the network that leads is missing.
+        """
+        if self.leads and self._leading is None:
+            raise CheckpointError(
+                zipped.name, "data: leading", found="nothing", expected="the network that leads"
+            )
+        super()._take(zipped)
 
     def _take_leader(self, lower: FrozenLower) -> None:
         if self.leads:

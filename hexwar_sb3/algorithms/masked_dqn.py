@@ -345,8 +345,11 @@ class MaskedLearner(MaskedExploration, PlainZip):
             raise Misfit(str(error), "an action mask", "boxes") from error
         return made
 
-    def _check_loaded(self, observation_space: spaces.Space[Any], action_space: spaces.Space[Any]) -> None:
-        _check_same(observation_space, action_space, cast("VecEnv", self.env))
+    @classmethod
+    def _check_spaces(
+        cls, observation_space: spaces.Space[Any], action_space: spaces.Space[Any], env: GymEnv
+    ) -> None:
+        _check_same(observation_space, action_space, env)
 
     def set_env(self, env: GymEnv, force_reset: bool = True) -> None:
         """Go on in another env of the same spaces; as long as the replay is empty, of any number of envs.

@@ -29,7 +29,14 @@ from hexwar_sb3.algorithms.model_zip import (
 )
 from hexwar_sb3.algorithms.parts import write_arrays
 from hexwar_sb3.algorithms.ranges import SEED, Kind, Misfit, Table, is_plain, mended, options, setting
-from hexwar_sb3.algorithms.tensors import check_forms, forms_of, pack, state_of, take_state, take_weights
+from hexwar_sb3.algorithms.tensors import (
+    check_forms,
+    checked_state,
+    checked_weights,
+    forms_of,
+    pack,
+    state_of,
+)
 from hexwar_sb3.errors import CheckpointError, ConfigError, HexWarError, UnknownSettingError
 from hexwar_sb3.files import replacing
 from hexwar_sb3.reading import opened, read_arrays
@@ -272,6 +279,9 @@ class PlainZip(OffPolicyAlgorithm):
             raise CheckpointError(
                 zipped.name, f"data: {misfit.place or 'sizes'}", found=misfit.found, expected=misfit.expected
             ) from None
+        if env is not None:
+            env = cls._wrap_env(maybe_make_env(env, 0))
+            cls._check_spaces(observation_space, action_space, env)
         made: Any = cls  # whose constructor takes more than that of SB3's base
         model: Self = made(policy=policy, env=env, device=device, _init_setup_model=False)
         for name, one in values.items():
@@ -282,8 +292,7 @@ class PlainZip(OffPolicyAlgorithm):
         if env is None:
             model.observation_space, model.action_space, model.n_envs = observation_space, action_space, 1
         else:
-            model.check_env(cast("GymEnv", model.env))
-            model._check_loaded(observation_space, action_space)
+            model.check_env(env)
         try:
             model._setup_model()
         except HexWarError as error:
@@ -294,9 +303,12 @@ class PlainZip(OffPolicyAlgorithm):
             ) from error
         return model
 
+    @classmethod
     @abstractmethod
-    def _check_loaded(self, observation_space: spaces.Space[Any], action_space: spaces.Space[Any]) -> None:
-        """Check that the env fits the spaces of a zip.
+    def _check_spaces(
+        cls, observation_space: spaces.Space[Any], action_space: spaces.Space[Any], env: GymEnv
+    ) -> None:
+        """Check that an env fits the spaces of a zip.
 
         Raises:
             ConfigError: it does not.
@@ -332,13 +344,13 @@ class PlainZip(OffPolicyAlgorithm):
                 raise CheckpointError(
                     zipped.name, part, found=found, expected=f"weights of {', '.join(parts)}"
                 )
+        checked = []
         for part in parts:
             owner, tensors = self._part(part), zipped.weights[part]
-            if isinstance(owner, torch.optim.Optimizer):
-                take_state(owner, tensors, zipped.name, part)
-            else:
-                check_forms(tensors, forms_of(owner), zipped.name, part)
-                take_weights(owner, tensors)
+            check = checked_state if isinstance(owner, torch.optim.Optimizer) else checked_weights
+            checked.append((owner, check(owner, tensors, zipped.name, part)))
+        for owner, state in checked:
+            owner.load_state_dict(state)
 
     @classmethod
     def _load_pickled(
@@ -381,7 +393,9 @@ class PlainZip(OffPolicyAlgorithm):
         if isinstance(load_path_or_dict, dict):
             super().set_parameters(load_path_or_dict, exact_match, device)
         else:
-            self._take(read_zip(*read_file(load_path_or_dict)))
+            zipped, parts = read_zip(*read_file(load_path_or_dict)), self._get_torch_save_params()[0]
+            own = {part: weights for part, weights in zipped.weights.items() if part in parts}
+            PlainZip._take(self, ModelZip(zipped.name, zipped.data, own))
 
     def set_random_seed(self, seed: int | None = None) -> None:
         """Seed torch, numpy, the env, and the model's own generator.

@@ -41,6 +41,7 @@ class TaskModel(PlainZip):
         "task_sizes": Parts({name: Whole(1, most) for name, most in SIZE_LIMITS.items()}),
         "leading": lambda value: None if value is None else Parts({"ways": flag, "tie": NOT_NEGATIVE})(value),
     }
+    _leading: dict[str, Any] | None = None  # as a zip says
     _eval_envs: tuple[Any, ...] = ()  # of the callbacks, while it learns
 
     @classmethod
@@ -70,8 +71,11 @@ class TaskModel(PlainZip):
                     f" {type(wrapper).__name__}: leave it out (features are scaled by themselves, rewards by reward_scale)"
                 )
 
-    def _check_loaded(self, observation_space: spaces.Space[Any], action_space: spaces.Space[Any]) -> None:
-        check_alike(TaskShapes.of(observation_space, action_space), cast("VecEnv", self.env))
+    @classmethod
+    def _check_spaces(
+        cls, observation_space: spaces.Space[Any], action_space: spaces.Space[Any], env: GymEnv
+    ) -> None:
+        check_alike(TaskShapes.of(observation_space, action_space), env)
 
     def set_env(self, env: GymEnv, force_reset: bool = True) -> None:
         """Go on in another env of the same sizes; to train, it must give the mixer the same state.
@@ -188,20 +192,24 @@ class TaskModel(PlainZip):
     def _take(self, zipped: ModelZip) -> None:
         """Take the weights of a zip, and the network that leads; with an env, the env's own leads."""
         weights = dict(zipped.weights)
-        tensors, leading = weights.pop(LEADER, None), zipped.data.get("leading")
-        if (tensors is None) != (leading is None):
+        tensors = weights.pop(LEADER, None)
+        if (tensors is None) != (self._leading is None):
             found = "nothing" if tensors is None else "a network"
-            raise CheckpointError(
-                zipped.name, LEADER, found=found, expected=f"as data says: leading {leading}"
-            )
+            raise CheckpointError(zipped.name, LEADER, found=found, expected=f"by data: {self._leading}")
         super()._take(ModelZip(zipped.name, zipped.data, weights))
         if tensors is not None:
             check_forms(tensors, LEADER_FORMS, zipped.name, LEADER)
-            self._take_leader(FrozenLower(tensors, **cast("dict[str, Any]", leading)))
+            self._take_leader(FrozenLower(tensors, **cast("dict[str, Any]", self._leading)))
 
     def _take_leader(self, lower: FrozenLower) -> None:
         if self.env is None:
             self.policy.lower = lower
+        elif self.policy.lower == HEURISTIC_LOWER:
+            warnings.warn(
+                "this model learned over a network as lower level, and the heuristic leads the pieces of its env now:"
+                " make the env with the same lower=, or call model.lead_with(...)",
+                stacklevel=5,
+            )
 
 
 def wrappers(env: GymEnv) -> Iterator[VecEnvWrapper]:

@@ -124,9 +124,16 @@ def check_forms(
             )
 
 
-def take_weights(module: torch.nn.Module, tensors: Mapping[str, NDArray[Any]]) -> None:
-    """Copy checked tensors into a network."""
-    module.load_state_dict({name: torch.from_numpy(one.copy()) for name, one in tensors.items()})
+def checked_weights(
+    module: torch.nn.Module, tensors: Mapping[str, NDArray[Any]], source: str | Path, place: str
+) -> dict[str, Tensor]:
+    """Weights as `load_state_dict` takes them.
+
+    Raises:
+        CheckpointError: they are those of another network, or not finite.
+    """
+    check_forms(tensors, forms_of(module), source, place)
+    return {name: torch.from_numpy(one.copy()) for name, one in tensors.items()}
 
 
 def state_of(optimizer: torch.optim.Optimizer) -> dict[str, Tensor]:
@@ -139,10 +146,10 @@ def state_of(optimizer: torch.optim.Optimizer) -> dict[str, Tensor]:
     }
 
 
-def take_state(
+def checked_state(
     optimizer: torch.optim.Optimizer, tensors: Mapping[str, NDArray[Any]], source: str | Path, place: str
-) -> None:
-    """Give an optimiser what it remembered; its own settings stay.
+) -> dict[str, Any]:
+    """What an optimiser remembered, as `load_state_dict` takes it; its own settings stay.
 
     Raises:
         CheckpointError: it is the memory of another one.
@@ -161,7 +168,7 @@ def take_state(
         if name.partition(".")[2] in NEVER_NEGATIVE and (one < 0).any():
             raise CheckpointError(source, f"{place}: {name}", found="a number below 0", expected="none")
     state = {k: {name: torch.from_numpy(tensors[f"{k}.{name}"].copy()) for name in names} for k in kept}
-    optimizer.load_state_dict({**optimizer.state_dict(), "state": state})
+    return {**optimizer.state_dict(), "state": state}
 
 
 def _remembered(optimizer: torch.optim.Optimizer) -> dict[str, bool]:
