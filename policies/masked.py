@@ -79,13 +79,15 @@ class MaskedDQNPolicy(DQNPolicy):
             must leave the mask out.
     """
 
+    is_normalised = False  # what it sees was changed by a VecNormalize
+
     def __init__(self, *args: Any, **options: Any) -> None:
         super().__init__(*args, **{"features_extractor_class": MaskedExtractor, **options})
 
     def make_q_net(self) -> QNetwork:
-        """Make a network with a features extractor of its own."""
+        """Make a network with a features extractor of its own; the model moves it to its device."""
         options = self._update_features_extractor(self.net_args, features_extractor=None)
-        return MaskedQNetwork(**options).to(self.device)
+        return MaskedQNetwork(**options)
 
 
 def freeze_lower(
@@ -101,8 +103,12 @@ def freeze_lower(
         about: what it was trained on.
 
     Raises:
-        ConfigError: it has other layers, or other functions between them.
+        ConfigError: it has other layers, or other functions between them, or learned from normalised observations.
     """
+    if policy.is_normalised:
+        raise ConfigError(
+            "it learned from what VecNormalize made of the observations: in play it would see others"
+        )
     if policy.activation_fn is not nn.ReLU:
         raise ConfigError(f"a lower level has ReLU between its layers, got {policy.activation_fn.__name__}")
     chosen = policy.q_net if network is None else network
@@ -120,10 +126,12 @@ def freeze_lower(
 class MaskedQRDQNPolicy(QRDQNPolicy):
     """QR-DQN's policy over valid actions; arguments as those of `MaskedDQNPolicy`, and n_quantiles."""
 
+    is_normalised = False  # as in MaskedDQNPolicy
+
     def __init__(self, *args: Any, **options: Any) -> None:
         super().__init__(*args, **{"features_extractor_class": MaskedExtractor, **options})
 
     def make_quantile_net(self) -> QuantileNetwork:
-        """Make a network with a features extractor of its own."""
+        """Make a network with a features extractor of its own; the model moves it to its device."""
         options = self._update_features_extractor(self.net_args, features_extractor=None)
-        return MaskedQuantileNetwork(**options).to(self.device)
+        return MaskedQuantileNetwork(**options)

@@ -18,6 +18,16 @@ ACTING_KEYS = (
 )  # what a policy may see; "state" is for the mixer alone
 
 
+SIZE_LIMITS = {
+    "n_pieces": 1_024,
+    "n_tasks": 4_096,
+    "obs_dim": 65_536,
+    "task_dim": 65_536,
+    "state_dim": 1 << 20,
+}
+MOST_NUMBERS = 1 << 22  # of an observation
+
+
 @dataclass(frozen=True)
 class TaskShapes:
     """Sizes of a task env's observations (architecture.md, section 4)."""
@@ -47,13 +57,34 @@ class TaskShapes:
             raise ConfigError(
                 f"the observation space lacks {missing}; it has {list(observation_space.spaces)}"
             )
-        n_pieces, n_tasks, task_dim = observation_space["tasks"].shape or (0, 0, 0)
+        tasks = observation_space["tasks"].shape or ()
+        if len(tasks) != 3:
+            raise ConfigError(f"'tasks' must be [piece, task, feature], got the shape {tasks}")
+        n_pieces, n_tasks, task_dim = tasks
         if action_space.nvec.tolist() != [n_tasks] * n_pieces:
             raise ConfigError(f"actions must be MultiDiscrete({[n_tasks] * n_pieces}), got {action_space}")
         obs_dim = (observation_space["obs"].shape or (0, 0))[-1]
         state = observation_space.spaces.get("state")
         state_dim = n_pieces * obs_dim if state is None else (state.shape or (0,))[0]
-        return cls(n_pieces, n_tasks, obs_dim, task_dim, state_dim)
+        axes = {"obs": (n_pieces, obs_dim), "action_mask": (n_pieces, n_tasks), "alive": (n_pieces,)}
+        for key, expected in {**axes, **({} if state is None else {"state": (state_dim,)})}.items():
+            if observation_space[key].shape != expected:
+                raise ConfigError(
+                    f"the shape of {key!r} must be {expected} beside tasks of {tasks}, got {observation_space[key].shape}"
+                )
+        shapes = cls(n_pieces, n_tasks, obs_dim, task_dim, state_dim)
+        if problem := shapes.why_too_large():
+            raise ConfigError(f"a task env has {problem}, got {shapes}")
+        return shapes
+
+    def why_too_large(self) -> str | None:
+        """Say what it may have at most, if it is larger than any model can be."""
+        for name, most in SIZE_LIMITS.items():
+            if not 1 <= getattr(self, name) <= most:
+                return f"{name} in 1..{most}"
+        if self.n_pieces * (self.n_tasks * self.task_dim + self.obs_dim) > MOST_NUMBERS:
+            return f"at most {MOST_NUMBERS} numbers in an observation"
+        return None
 
     def acting_alike(self, other: TaskShapes) -> bool:
         """Whether a policy for the one can act in the other, whatever the mixer's state."""

@@ -74,8 +74,18 @@ class TaskPolicy(BasePolicy):
         self.targets = [*self.agent_target.parameters(), *self.mixer_target.parameters()]  # in the same order
         for parameter in self.targets:
             parameter.requires_grad_(False)
-        self.lower: Lower = HEURISTIC_LOWER  # leads the pieces of a frozen copy
+        self.lower = HEURISTIC_LOWER
         self.optimizer = optimizer_class(self.trained, lr=lr_schedule(1), **self.optimizer_kwargs)  # type: ignore[call-arg]
+
+    @property
+    def lower(self) -> Lower:
+        """Who leads the pieces of a frozen copy, and of whoever asks."""
+        self.lower_is_known = True
+        return self._lower
+
+    @lower.setter
+    def lower(self, lower: Lower) -> None:
+        self._lower, self.lower_is_known = lower, False
 
     def _make_agent(self) -> TaskNetwork:
         if self.network not in NETWORKS:
@@ -135,7 +145,7 @@ class TaskPolicy(BasePolicy):
             raise ConfigError("only the additive network can be frozen; train with network='additive'")
         weights = {name: tensor.cpu().numpy().copy() for name, tensor in agent.state_dict().items()}
         sizes = {"n_pieces": self.shapes.n_pieces, "n_tasks": self.shapes.n_tasks}
-        return FrozenPolicy(weights, **sizes, about=about, lower=self.lower)
+        return FrozenPolicy(weights, **sizes, about=about, lower=self._lower)
 
     def agent_of(self, policy: FrozenPolicy) -> AgentNetwork:
         """Agent network with the weights of a frozen policy, of the policy's own widths.

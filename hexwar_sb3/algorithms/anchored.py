@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from copy import deepcopy
-from math import inf
 from typing import Any, ClassVar
 
 import torch
@@ -12,8 +11,8 @@ from torch import Tensor
 
 from hexwar_sb3.algorithms.distillation import masked_kl
 from hexwar_sb3.algorithms.qmix import QMIX
+from hexwar_sb3.algorithms.ranges import NOT_NEGATIVE, POSITIVE, Table
 from hexwar_sb3.algorithms.replay import Batch
-from hexwar_sb3.errors import ConfigError
 from hexwar_sb3.play.frozen import FrozenPolicy
 from hexwar_sb3.policies.agent import TaskNetwork
 
@@ -33,19 +32,16 @@ class AnchoredQMIX(QMIX):
         kwargs: further arguments of `QMIX`.
     """
 
-    made_again: ClassVar[tuple[str, ...]] = (*QMIX.made_again, "anchor")
+    zip_name: ClassVar[str] = "AnchoredQMIX"
+    settings: ClassVar[Table] = {**QMIX.settings, "anchor_weight": NOT_NEGATIVE, "anchor_tau": POSITIVE}
 
     anchor: TaskNetwork | None = None
 
     def __init__(
         self, *args: Any, anchor_weight: float = 0.1, anchor_tau: float = 0.1, **kwargs: Any
     ) -> None:
-        super().__init__(*args, **kwargs)
-        if not (0.0 <= anchor_weight < inf and 0.0 < anchor_tau < inf):
-            raise ConfigError(
-                f"anchor_weight >= 0 and anchor_tau > 0 are finite, got {anchor_weight}, {anchor_tau}"
-            )
         self.anchor_weight, self.anchor_tau = anchor_weight, anchor_tau
+        super().__init__(*args, **kwargs)
 
     def take_over(self, policy: FrozenPolicy) -> None:
         """Go on from a frozen policy, and stay near it."""

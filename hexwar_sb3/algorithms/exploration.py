@@ -47,7 +47,7 @@ def checked_masks(masks: NDArray[Any]) -> NDArray[np.bool_]:
     """
     if not np.isin(masks, (0, 1)).all():
         raise TrainingError(
-            "the masks hold more than 0 and 1: VecNormalize must leave them alone (norm_obs_keys without 'action_mask')"
+            "the masks hold more than 0 and 1: a wrapper changed them, and must leave them as the env gives them"
         )
     return np.asarray(masks, bool)
 

@@ -6,24 +6,41 @@ from collections.abc import Mapping
 from typing import Any, ClassVar, Self, cast
 
 import numpy as np
+from gymnasium import spaces
 from numpy.typing import NDArray
 from stable_baselines3.common.callbacks import BaseCallback
 from stable_baselines3.common.logger import Logger
 from stable_baselines3.common.policies import BasePolicy
 from stable_baselines3.common.type_aliases import GymEnv, RolloutReturn
-from stable_baselines3.common.vec_env import VecEnv
+from stable_baselines3.common.vec_env import VecEnv, VecFrameStack, VecNormalize
 
 from hexwar_sb3.algorithms.masked_dqn import MaskedDQN
-from hexwar_sb3.algorithms.model_file import File
+from hexwar_sb3.algorithms.model_file import check_part
+from hexwar_sb3.algorithms.model_zip import File, ModelZip
 from hexwar_sb3.algorithms.parts import check_observation, env_snapshot, part, placed, restore_env, under
 from hexwar_sb3.algorithms.qmix import QMIX
+from hexwar_sb3.algorithms.ranges import (
+    COUNTER,
+    MOST_TICKS,
+    NOT_NEGATIVE,
+    SHARE,
+    Parts,
+    Table,
+    Whole,
+    anything,
+    flag,
+    pair,
+    text,
+    unlimited,
+)
+from hexwar_sb3.algorithms.task_model import wrappers
 from hexwar_sb3.checks import check_whole
 from hexwar_sb3.engine.fields import check_names
 from hexwar_sb3.envs.registration import ROUTE_ENV, make_vec_env
 from hexwar_sb3.envs.route_settings import RouteSettings, route_settings
 from hexwar_sb3.envs.route_vec_env import route_spaces
 from hexwar_sb3.envs.settings import TaskSettings
-from hexwar_sb3.errors import ConfigError
+from hexwar_sb3.errors import CheckpointError, ConfigError
 from hexwar_sb3.play.lower_policy import HEURISTIC_LOWER, FrozenLower, Lower
 from hexwar_sb3.play.routes import measure_routes
 from hexwar_sb3.policies.masked import MaskedDQNPolicy, freeze_lower
@@ -52,7 +69,22 @@ SHARED_SETTINGS = (
     *("scenario", "side", "opponent", "reward"),
     *("decision_ticks", "decisions", "spots", "fog"),
 )
-_COUNTERS = ("num_timesteps", "_n_calls", "_n_updates", "_episode_num")
+ROUTE_KWARGS = Parts(
+    {
+        **dict.fromkeys(("side", "beta_per", "reward", "decisions"), text),
+        **dict.fromkeys(("scenario", "opponent", "upper", "lower"), anything),
+        **dict.fromkeys(("keep_task", "wander", "beta", "shaping"), SHARE),
+        **dict.fromkeys(("ways", "fog"), flag),
+        "decision_ticks": Whole(1, 1_000_000),
+        "alpha": NOT_NEGATIVE,
+        "gain_limit": unlimited,
+        "spots": Whole(0, 1_024),
+        "n_envs": Whole(1, 4_096),
+    }
+)
+"""Settings of the route env; what they must be beside that, it says itself."""
+LOWER_KWARGS = Parts({name: kind for name, kind in MaskedDQN.settings.items() if name != "seed"})
+LOWER_COUNTERS = Parts({name: kind for name, kind in MaskedDQN.state.items() if kind is COUNTER})
 
 
 class HierarchicalQMIX(QMIX):
@@ -85,10 +117,28 @@ class HierarchicalQMIX(QMIX):
         "HierarchicalPolicy": TaskPolicy,
         **QMIX.policy_aliases,
     }
-    made_again: ClassVar[tuple[str, ...]] = (*QMIX.made_again, "lower", "lower_env")
+    zip_name: ClassVar[str] = "HierarchicalQMIX"
+    settings: ClassVar[Table] = {
+        **QMIX.settings,
+        "phase_ticks": pair(Whole(1, MOST_TICKS), Whole(0, MOST_TICKS), "at least (1, 0)"),
+        "takeover": SHARE,
+        "tie": NOT_NEGATIVE,
+        "lower_first": flag,
+        "lower_kwargs": LOWER_KWARGS,
+        "route_kwargs": ROUTE_KWARGS,
+    }
+    state: ClassVar[Table] = {
+        **QMIX.state,
+        "upper_ticks": COUNTER,
+        "lower_ticks": COUNTER,
+        "leads": flag,
+        "leader_agreement": SHARE,
+        "lower_counters": LOWER_COUNTERS,
+    }
+    places: ClassVar[tuple[str, ...]] = (*QMIX.places, "lower_env")
 
     lower: MaskedDQN
-    leader: dict[str, list[Any]]  # weights of the version of the lower level that leads; empty: none does
+    leads: bool  # whether the learned lower level leads the pieces
 
     def __init__(
         self,
@@ -106,21 +156,12 @@ class HierarchicalQMIX(QMIX):
         **kwargs: Any,
     ) -> None:
         super().__init__(policy, env, *args, _init_setup_model=False, **kwargs)
-        if phase_ticks[0] < 1 or phase_ticks[1] < 0:
-            raise ConfigError(f"phase_ticks must be at least (1, 0), got {phase_ticks}")
-        if not 0.0 <= takeover <= 1.0:
-            raise ConfigError(f"takeover must be in [0, 1], got {takeover}")
-        if not 0.0 <= tie < float("inf"):
-            raise ConfigError(f"tie must be finite and at least 0, got {tie}")
-        self.phase_ticks, self.takeover, self.tie = tuple(phase_ticks), takeover, tie
+        self.phase_ticks, self.takeover, self.tie = phase_ticks, takeover, tie
         self.lower_first = lower_first
-        self.lower_kwargs, self.route_kwargs = dict(lower_kwargs or {}), dict(route_kwargs or {})
+        self.lower_kwargs, self.route_kwargs = lower_kwargs or {}, route_kwargs or {}
         self.lower_env = lower_env
-        if lower_env is not None:
-            self.route_kwargs |= _reward_settings(lower_env)
-        self._own_route()
         self.upper_ticks, self.lower_ticks = 0, 0  # game ticks trained so far
-        self.leader = {}
+        self.leads = False
         self.leader_agreement = 0.0  # share of the moves on a fastest way, of the version that leads
         self.lower_counters: dict[str, int] = {}
         if _init_setup_model:
@@ -129,6 +170,8 @@ class HierarchicalQMIX(QMIX):
     def _setup_model(self) -> None:
         """Build both levels; the lower one needs no env yet."""
         super()._setup_model()
+        if self.lower_env is not None:
+            self.route_kwargs |= _reward_settings(self.lower_env)
         gamma = {} if self._own_route().is_shaped else {"gamma": PLAIN_GAMMA}
         options = {**LOWER_DEFAULTS, **gamma, **self.lower_kwargs}
         self.lower = MaskedDQN.for_spaces(*route_spaces(), seed=self.seed, device=self.device, **options)
@@ -149,11 +192,6 @@ class HierarchicalQMIX(QMIX):
         settings = route_settings(options)
         check_whole("n_envs of the route env", n_envs, least=len(settings.fields))
         return settings
-
-    @property
-    def leads(self) -> bool:
-        """Whether the learned lower level leads the pieces."""
-        return bool(self.leader)
 
     def frozen_lower(self) -> FrozenLower:
         """Copy the learned lower level as it is now: the target network, a mean over the last updates."""
@@ -210,10 +248,8 @@ class HierarchicalQMIX(QMIX):
 
     def lead_with(self, lower: Lower) -> None:
         """Let a lower level lead, until a version of this model's own is better; in both envs, if it is a network."""
-        network = lower.weights.items() if isinstance(lower, FrozenLower) else ()
-        self.leader = {name: weights.tolist() for name, weights in network}
+        self.leads = isinstance(lower, FrozenLower)
         super().lead_with(lower)
-        self.lead_envs()
 
     def follow_lower(self) -> None:
         """Keep the version that leads; else as the env's pieces are led."""
@@ -226,10 +262,14 @@ class HierarchicalQMIX(QMIX):
         self.lead_envs()
 
     def lead_envs(self) -> None:
-        """Let the learned lower level lead in both envs, if its time has come."""
-        for env in (self.env, self.lower.env):
-            if env is not None and self.leads:
-                env.env_method("set_lower", self.policy.lower)
+        """Let the learned lower level lead in all envs of the model, if its time has come."""
+        if self.leads:
+            self._lead_own()
+
+    def _lead_own(self) -> None:
+        super()._lead_own()
+        if self.lower.env is not None and self.leads:
+            self.lower.env.env_method("set_lower", self.policy.lower)
 
     def _log_lower(self) -> None:
         ended = [episode for episode in self.lower.ep_info_buffer or () if "finished" in episode]
@@ -277,18 +317,53 @@ class HierarchicalQMIX(QMIX):
 
     def save(self, path: File, *args: Any, **kwargs: Any) -> None:
         """Write one model zip for both levels."""
-        self.lower_counters = {name: int(getattr(self.lower, name)) for name in _COUNTERS}
+        self.lower_counters = {name: int(getattr(self.lower, name)) for name in LOWER_COUNTERS.table}
         super().save(path, *args, **kwargs)
 
+    def _take(self, zipped: ModelZip) -> None:
+        """Take the weights of a zip.
+
+        Raises:
+            CheckpointError: they are others than this model's, or the network that leads is missing.
+        """
+        if self.leads and self._leading is None:
+            raise CheckpointError(
+                zipped.name, "data: leading", found="nothing", expected="the network that leads"
+            )
+        super()._take(zipped)
+
+    def _take_leader(self, lower: FrozenLower) -> None:
+        if self.leads:
+            self.lead_with(lower)
+        else:
+            super()._take_leader(lower)
+
     @classmethod
-    def load(cls, *args: Any, **kwargs: Any) -> Self:
-        """Read a model zip of both levels, as `QMIX.load`."""
-        model = super().load(*args, **kwargs)
-        if model.leads:
-            weights = {name: np.array(values, np.float32) for name, values in model.leader.items()}
-            model.policy.lower = FrozenLower(weights, ways=model.ways, tie=model.lower_tie)
-            model.lead_envs()
+    def _load_pickled(cls, *args: Any) -> Self:
+        model = super()._load_pickled(*args)
+        leader: dict[str, Any] = vars(model).pop("leader", None) or {}  # as earlier versions kept it
+        if leader:
+            weights = {name: np.array(values, np.float32) for name, values in leader.items()}
+            model.lead_with(FrozenLower(weights, ways=model.ways, tie=model.lower_tie))
         return model
+
+    @classmethod
+    def _check_networks(
+        cls,
+        zipped: ModelZip,
+        values: dict[str, Any],
+        observation_space: spaces.Space[Any],
+        action_space: spaces.Space[Any],
+    ) -> None:
+        super()._check_networks(zipped, values, observation_space, action_space)
+        lower_options = values["lower_kwargs"].get("policy_kwargs", {})
+        check_part(zipped, "lower.policy", MaskedDQNPolicy, *route_spaces(), lower_options)
+
+    def set_random_seed(self, seed: int | None = None) -> None:
+        """Seed both levels."""
+        super().set_random_seed(seed)
+        if hasattr(self, "lower"):
+            self.lower.set_random_seed(seed)
 
     def _get_torch_save_params(self) -> tuple[list[str], list[str]]:
         return ["policy", "policy.optimizer", "lower.policy", "lower.policy.optimizer"], []
@@ -326,8 +401,11 @@ def _reward_settings(env: VecEnv) -> dict[str, Any]:
     """Settings of a route env that the model needs to know, too: what its state holds, and its reward's potential.
 
     Raises:
-        ConfigError: it is no route env.
+        ConfigError: it is no route env, or in a wrapper that changes what is learned from.
     """
+    for wrapper in wrappers(env):
+        if isinstance(wrapper, VecNormalize | VecFrameStack):
+            raise ConfigError(f"lower_env is a route env as it is, got one in {type(wrapper).__name__}")
     if not env.has_attr("settings") or not isinstance(settings := env.get_attr("settings")[0], RouteSettings):
         raise ConfigError(f'lower_env is a VecEnv of "{ROUTE_ENV}", got {env}')
     return {name: getattr(settings, name) for name in ("ways", "beta", "beta_per", "shaping")}

@@ -18,17 +18,75 @@ from stable_baselines3.common.off_policy_algorithm import OffPolicyAlgorithm
 from stable_baselines3.common.policies import BasePolicy
 from stable_baselines3.common.type_aliases import GymEnv, MaybeCallback, Schedule
 from stable_baselines3.common.utils import update_learning_rate
+from stable_baselines3.common.vec_env import VecEnv, unwrap_vec_normalize
 
 from hexwar_sb3.algorithms.exploration import checked_masks, epsilon_at, random_tasks
 from hexwar_sb3.algorithms.model_file import PlainZip
-from hexwar_sb3.algorithms.plain_spaces import plain_boxes, space_of_boxes
-from hexwar_sb3.algorithms.ranges import check_ranges
+from hexwar_sb3.algorithms.plain_spaces import boxes, plain_boxes, space_of_boxes
+from hexwar_sb3.algorithms.ranges import (
+    COUNTER,
+    COUNTERS,
+    LEARNING,
+    MOST_BATCH,
+    MOST_LAYERS,
+    MOST_WIDTH,
+    OPTIMIZER,
+    WIDTH,
+    Misfit,
+    Parts,
+    Table,
+    Whole,
+    flag,
+    options,
+    plain,
+    row_of,
+    setting,
+)
 from hexwar_sb3.algorithms.timed_replay import TimedReplayBuffer
 from hexwar_sb3.errors import ConfigError, TrainingError
 from hexwar_sb3.play.seeds import rng_array, rng_state
 from hexwar_sb3.policies.masked import MASK, MaskedDQNPolicy, MaskedQRDQNPolicy, check_masked_spaces
 
 Observation = Mapping[str, NDArray[Any]]
+MOST_ACTIONS = 65_536
+
+
+def vec_steps(value: Any) -> int:
+    """When to train: after so many steps of the VecEnv; also (n, "step"), as in SB3."""
+    found = plain(value)
+    if isinstance(found, list | tuple) and len(found) == 2 and getattr(found[1], "value", found[1]) == "step":
+        found = found[0]
+    try:
+        return Whole()(found)
+    except Misfit:
+        raise Misfit(value, "a number of VecEnv steps") from None
+
+
+def updates_each(value: Any) -> int:
+    """Updates of a round; -1: as many as env steps."""
+    return -1 if plain(value) == -1 else Whole(1, MOST_BATCH)(value)
+
+
+POLICY_KWARGS: Table = {
+    "net_arch": row_of(WIDTH, MOST_LAYERS),
+    "normalize_images": flag,
+    "optimizer_kwargs": OPTIMIZER,
+    "features_extractor_kwargs": Parts({"cnn_output_dim": WIDTH, "normalized_image": flag}),
+}
+CLASSES = (
+    "activation_fn",
+    "features_extractor_class",
+    "optimizer_class",
+)  # of the policy; no file holds them
+SETTINGS: Table = {
+    **LEARNING,
+    "policy_kwargs": Parts(POLICY_KWARGS, CLASSES),
+    "train_freq": vec_steps,
+    "gradient_steps": updates_each,
+    "learning_rate_steps": Whole(),
+    "exploration_steps": Whole(),
+}
+"""Settings of MaskedDQN by their arguments' names."""
 
 
 class MaskedExploration(OffPolicyAlgorithm):
@@ -75,6 +133,8 @@ class MaskedExploration(OffPolicyAlgorithm):
         if not deterministic:
             explores = self.rng.random(actions.shape) < self.exploration_rate
             actions = np.where(explores, self.random_actions(cast("Observation", observation)), actions)
+        else:
+            checked_masks(cast("Observation", observation)[MASK])
         return actions, state
 
     def random_actions(self, observation: Observation) -> NDArray[np.int64]:
@@ -99,7 +159,7 @@ class MaskedLearner(MaskedExploration, PlainZip):
         batch_size: transitions of an update.
         tau: share of the online network that goes into the target; 1 is a hard update.
         gamma: discount of one unit of time.
-        train_freq: steps of the VecEnv between two rounds of updates.
+        train_freq: steps of the VecEnv between two rounds of updates; or (n, "step").
         gradient_steps: updates of a round; -1 makes as many as env steps were taken.
         target_update_interval: env steps between two changes of the target.
         final_learning_rate: where the learning rate ends, in a straight line; None keeps it.
@@ -119,15 +179,15 @@ class MaskedLearner(MaskedExploration, PlainZip):
     """
 
     replay_buffer: TimedReplayBuffer
-    sizes_key: ClassVar[str] = "boxes"
-    made_again: ClassVar[tuple[str, ...]] = (
-        *PlainZip.made_again,
-        "rng",
-        "replay_buffer_class",
-        "exploration_schedule",
-        "batch_norm_stats",
-        "batch_norm_stats_target",
-    )
+    settings: ClassVar[Table] = SETTINGS
+    state: ClassVar[Table] = {**COUNTERS, "_n_calls": COUNTER, "is_normalised": flag}
+    sizes: ClassVar[Table] = {"boxes": boxes, "n_actions": Whole(1, MOST_ACTIONS)}
+    attributes: ClassVar[Mapping[str, str]] = {
+        **PlainZip.attributes,
+        "train_freq": "update_every",
+        "n_steps": "n_return_steps",  # SB3's own n_steps would choose its own replay
+    }
+    is_normalised = False  # it learned from what a VecNormalize made of the observations
 
     def __init__(
         self,
@@ -139,7 +199,7 @@ class MaskedLearner(MaskedExploration, PlainZip):
         batch_size: int = 128,
         tau: float = 1.0,
         gamma: float = 0.99,
-        train_freq: int = 4,
+        train_freq: int | tuple[int, str] = 4,
         gradient_steps: int = 1,
         target_update_interval: int = 1_000,
         *,
@@ -161,6 +221,7 @@ class MaskedLearner(MaskedExploration, PlainZip):
         if env is not None:
             env = maybe_make_env(env, verbose)
             check_masked_spaces(env.observation_space, env.action_space)
+        batch_size = setting("batch_size", batch_size, SETTINGS["batch_size"])  # QRDQN divides by it
         super().__init__(  # type: ignore[call-arg]  # of DQN or QRDQN, next in line
             policy,
             env,  # type: ignore[arg-type]  # None while a model is loaded
@@ -175,7 +236,7 @@ class MaskedLearner(MaskedExploration, PlainZip):
             exploration_initial_eps=exploration_initial_eps,
             exploration_final_eps=exploration_final_eps,
             max_grad_norm=max_grad_norm,
-            policy_kwargs=dict(policy_kwargs or {}),
+            policy_kwargs=setting("policy_kwargs", policy_kwargs or {}, options),
             stats_window_size=stats_window_size,
             tensorboard_log=tensorboard_log,
             verbose=verbose,
@@ -183,11 +244,10 @@ class MaskedLearner(MaskedExploration, PlainZip):
             device=device,
             _init_setup_model=False,
         )
-        if not isinstance(train_freq, int):
-            raise ConfigError(f"train_freq must be a number of VecEnv steps, got {train_freq}")
-        self.update_every, self.exploration_steps = train_freq, exploration_steps
+        self.update_every: Any = train_freq
+        self.exploration_steps = exploration_steps
         self.final_learning_rate, self.learning_rate_steps = final_learning_rate, learning_rate_steps
-        self.n_return_steps = n_steps  # SB3's own n_steps would choose its own replay
+        self.n_return_steps = n_steps
         if self.policy_kwargs.get("optimizer_class") is torch.optim.Adam:  # QRDQN names the default
             del self.policy_kwargs["optimizer_class"]  # a class in a zip would have to be unpickled
         if _init_setup_model:
@@ -199,7 +259,7 @@ class MaskedLearner(MaskedExploration, PlainZip):
         observation_space: spaces.Space[Any],
         action_space: spaces.Space[Any],
         policy: str | type[BasePolicy] = "MaskedPolicy",
-        **options: Any,
+        **arguments: Any,
     ) -> Self:
         """Make a model before there is an env; `set_env` gives it one of any number of envs.
 
@@ -207,20 +267,39 @@ class MaskedLearner(MaskedExploration, PlainZip):
             ConfigError: there is no mask in the observation, or a setting is out of its range.
         """
         check_masked_spaces(observation_space, action_space)
-        model = cls(policy, None, **options, _init_setup_model=False)
+        model = cls(policy, None, **arguments, _init_setup_model=False)
         model.observation_space, model.action_space, model.n_envs = observation_space, action_space, 1
         model._setup_model()
         return model
 
     def _setup_model(self) -> None:
         """Build network and replay."""
-        check_ranges({**vars(self), "gradient_steps": abs(self.gradient_steps)})  # -1 means something to SB3
+        self._mend_settings()
+        if self.env is not None:
+            self.check_env(self.env)
         self.boxes = plain_boxes(cast("spaces.Dict", self.observation_space))
         self.n_actions = int(cast("spaces.Discrete", self.action_space).n)
         self.rng = np.random.default_rng(self.seed)
         self.train_freq = self.update_every
-        self.replay_buffer = self._make_replay()
+        self._give_room()
         super()._setup_model()
+        self._note_normalisation()
+
+    def _note_normalisation(self) -> None:
+        """Note for good whether observations are normalised: a network frozen for play would see others."""
+        normaliser = self._vec_normalize_env
+        self.is_normalised |= normaliser is not None and bool(normaliser.norm_obs)
+        self.policy.is_normalised = self.is_normalised  # type: ignore[assignment]
+
+    def check_env(self, env: GymEnv) -> None:
+        """Check that a VecNormalize leaves the masks alone.
+
+        Raises:
+            ConfigError: it does not.
+        """
+        normaliser = unwrap_vec_normalize(env) if isinstance(env, VecEnv) else None
+        if normaliser is not None and normaliser.norm_obs and MASK in (normaliser.norm_obs_keys or ()):
+            raise ConfigError(f"VecNormalize must leave the masks alone: name norm_obs_keys without {MASK!r}")
 
     def _update_learning_rate(self, optimizers: list[torch.optim.Optimizer] | torch.optim.Optimizer) -> None:
         """Set the learning rate, by the saved count of env steps where it falls: `learn` may be called many times."""
@@ -245,11 +324,10 @@ class MaskedLearner(MaskedExploration, PlainZip):
                 " look for rewards or observations that are not finite; the last checkpoint is as it was"
             )
 
-    def _make_replay(self) -> TimedReplayBuffer:
-        observation_space = cast("spaces.Dict", self.observation_space)
+    def _make_replay(self, buffer_size: int) -> TimedReplayBuffer:
         return TimedReplayBuffer(
-            self.buffer_size,
-            observation_space,
+            buffer_size,
+            cast("spaces.Dict", self.observation_space),
             self.action_space,
             self.device,
             self.n_envs,
@@ -258,15 +336,20 @@ class MaskedLearner(MaskedExploration, PlainZip):
         )
 
     @classmethod
-    def made_spaces(cls, data: dict[str, Any], env: GymEnv | None) -> dict[str, spaces.Space[Any]]:
-        """Make the model's spaces; an env must have the same."""
-        made = {
-            "observation_space": space_of_boxes(data["boxes"]),
-            "action_space": spaces.Discrete(data["n_actions"]),
-        }
-        if env is not None:
-            _check_same(made["observation_space"], made["action_space"], cls._wrap_env(env, verbose=0))
+    def made_spaces(cls, values: dict[str, Any]) -> tuple[spaces.Space[Any], spaces.Space[Any]]:
+        """Make the model's spaces."""
+        made = space_of_boxes(values["boxes"]), spaces.Discrete(values["n_actions"])
+        try:
+            check_masked_spaces(*made)
+        except ConfigError as error:
+            raise Misfit(str(error), "an action mask", "boxes") from error
         return made
+
+    @classmethod
+    def _check_spaces(
+        cls, observation_space: spaces.Space[Any], action_space: spaces.Space[Any], env: GymEnv
+    ) -> None:
+        _check_same(observation_space, action_space, env)
 
     def set_env(self, env: GymEnv, force_reset: bool = True) -> None:
         """Go on in another env of the same spaces; as long as the replay is empty, of any number of envs.
@@ -278,20 +361,21 @@ class MaskedLearner(MaskedExploration, PlainZip):
         """
         wrapped = self._wrap_env(env, self.verbose)
         _check_same(self.observation_space, self.action_space, wrapped)
-        if wrapped.num_envs != self.n_envs:
-            self._change_n_envs(wrapped.num_envs)
-        if self.env is None and self.seed is not None:
-            wrapped.seed(self.seed)
-        super().set_env(wrapped, force_reset)
-
-    def _change_n_envs(self, n_envs: int) -> None:
-        if self.replay_buffer.size():
+        self.check_env(wrapped)
+        is_empty, is_first = not self.replay_buffer.size(), self.env is None
+        if is_empty:
+            self.n_envs = wrapped.num_envs
+        elif wrapped.num_envs != self.n_envs:
             raise ConfigError(
-                f"the replay holds transitions of {self.n_envs} envs, got {n_envs} envs;"
+                f"the replay holds transitions of {self.n_envs} envs, got {wrapped.num_envs} envs;"
                 " replay_buffer.reset() empties it"
             )
-        self.n_envs = n_envs
-        self.replay_buffer = self._make_replay()
+        if is_first and self.seed is not None:
+            wrapped.seed(self.seed)
+        super().set_env(wrapped, force_reset)
+        self._note_normalisation()
+        if is_empty:
+            self._give_room()
 
     def _setup_learn(
         self,
@@ -299,7 +383,7 @@ class MaskedLearner(MaskedExploration, PlainZip):
         callback: MaybeCallback = None,
         reset_num_timesteps: bool = True,
         *args: Any,
-        **options: Any,
+        **more: Any,
     ) -> tuple[int, BaseCallback]:
         if self.env is None:
             raise ConfigError(
@@ -307,7 +391,7 @@ class MaskedLearner(MaskedExploration, PlainZip):
             )
         if reset_num_timesteps or self._last_obs is None:
             self.replay_buffer.cut_short()  # SB3 resets the env
-        return super()._setup_learn(total_timesteps, callback, reset_num_timesteps, *args, **options)
+        return super()._setup_learn(total_timesteps, callback, reset_num_timesteps, *args, **more)
 
     def snapshot(self) -> dict[str, NDArray[Any]]:
         """What a model zip leaves out and learning needs: the replay and the state of our generator.
@@ -325,6 +409,8 @@ class MaskedLearner(MaskedExploration, PlainZip):
             CheckpointError: it is broken; the model is as it was.
         """
         state = rng_state(parts.get("random"), "random")
+        if self.env is None:
+            self._give_room(full=True)
         self.replay_buffer.restore({name: array for name, array in parts.items() if name != "random"})
         self.rng.bit_generator.state = state
 
@@ -338,6 +424,7 @@ def _check_same(observation_space: spaces.Space[Any], action_space: spaces.Space
 class MaskedDQN(MaskedLearner, DQN):
     """SB3's DQN with action masks and a discount of each transition (the lower level, III-B)."""
 
+    zip_name: ClassVar[str] = "MaskedDQN"
     policy_aliases: ClassVar[dict[str, type[BasePolicy]]] = {
         "MaskedPolicy": MaskedDQNPolicy,
         "MultiInputPolicy": MaskedDQNPolicy,
@@ -347,6 +434,11 @@ class MaskedDQN(MaskedLearner, DQN):
 class MaskedQRDQN(MaskedLearner, QRDQN):
     """SB3's QR-DQN with action masks: learns the distribution of the return; arguments as `MaskedDQN`'s."""
 
+    zip_name: ClassVar[str] = "MaskedQRDQN"
+    settings: ClassVar[Table] = {
+        **SETTINGS,
+        "policy_kwargs": Parts({**POLICY_KWARGS, "n_quantiles": Whole(1, MOST_WIDTH)}, CLASSES),
+    }
     policy_aliases: ClassVar[dict[str, type[BasePolicy]]] = {
         "MaskedPolicy": MaskedQRDQNPolicy,
         "MultiInputPolicy": MaskedQRDQNPolicy,

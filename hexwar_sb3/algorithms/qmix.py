@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import asdict
 from typing import Any, ClassVar
@@ -20,21 +21,86 @@ from torch import Tensor
 
 from hexwar_sb3.algorithms.exploration import NO_TASK, Explorer, checked_masks, epsilon_at, random_tasks
 from hexwar_sb3.algorithms.game_log import GameLog
-from hexwar_sb3.algorithms.model_file import PlainZipAlgorithm
-from hexwar_sb3.algorithms.ranges import check_ranges
+from hexwar_sb3.algorithms.model_zip import ModelZip
+from hexwar_sb3.algorithms.ranges import (
+    COUNTER,
+    COUNTERS,
+    LEARNING,
+    MOST_BATCH,
+    OPTIMIZER,
+    POSITIVE,
+    SHARE,
+    WIDTH,
+    Choice,
+    Misfit,
+    Number,
+    Parts,
+    Table,
+    Whole,
+    flag,
+    optional,
+    options,
+    plain,
+    setting,
+)
 from hexwar_sb3.algorithms.replay import Batch, StepReplay, situation_of
+from hexwar_sb3.algorithms.task_model import TaskModel
 from hexwar_sb3.algorithms.td_targets import qmix_target
-from hexwar_sb3.algorithms.td_update import TDLearner
+from hexwar_sb3.algorithms.td_update import LOSSES, TDLearner
 from hexwar_sb3.errors import ConfigError
 from hexwar_sb3.play.frozen import FrozenPolicy
-from hexwar_sb3.play.lower_policy import Lower
-from hexwar_sb3.policies.shapes import TaskShapes
+from hexwar_sb3.policies.agent import NETWORKS
+from hexwar_sb3.policies.mixers import MIXERS
+from hexwar_sb3.policies.shapes import SIZE_LIMITS, TaskShapes
 from hexwar_sb3.policies.task_policy import TaskPolicy
 
 STOP = 0  # row of every task set: stop what is under way
+BELOW_ONE = Number(0.0, math.nextafter(1.0, 0.0), "in [0, 1)")
+EVERY = "(n, 'episode') or (n, 'step') with n >= 1"
 
 
-class QMIX(PlainZipAlgorithm):
+def update_every(value: Any) -> tuple[int, str]:
+    """When to train: (n, "episode") or (n, "step"); n alone means steps of the VecEnv, as in SB3."""
+    found = plain(value)
+    try:
+        number, unit = found if isinstance(found, list | tuple) else (found, "step")
+        unit = getattr(unit, "value", unit)  # of SB3's TrainFreq
+        if unit in ("episode", "step"):
+            return Whole()(number), str(unit)
+    except (Misfit, TypeError, ValueError):
+        pass
+    raise Misfit(value, EVERY)
+
+
+POLICY_KWARGS = Parts(
+    {
+        "mixer": Choice("mixer", MIXERS),
+        "mixer_kwargs": Parts({"embed": WIDTH, "hidden": WIDTH}),
+        "state_dim": optional(Whole(1, SIZE_LIMITS["state_dim"])),
+        "network": Choice("network", NETWORKS),
+        "hidden": WIDTH,
+        "embed": WIDTH,
+        "optimizer_kwargs": OPTIMIZER,
+    },
+    others=("optimizer_class",),
+)
+SETTINGS: Table = {
+    **LEARNING,
+    "policy_kwargs": POLICY_KWARGS,
+    "train_freq": update_every,
+    "td_lambda": optional(SHARE),
+    "double_q": flag,
+    "loss": Choice("loss", LOSSES),
+    "reward_scale": POSITIVE,
+    "exploration_episodes": Whole(),
+    "exploration_every": Whole(),
+    "stickiness": BELOW_ONE,
+    "chunk_size": Whole(1, MOST_BATCH),
+}
+"""Settings of QMIX by their arguments' names."""
+
+
+class QMIX(TaskModel):
     """Q-learning for a camp of pieces with task sets: agents' values are mixed into one that is trained.
 
     Takes any env with the task env's spaces: a Dict of obs, tasks, action_mask and alive, and state for the
@@ -50,8 +116,8 @@ class QMIX(PlainZipAlgorithm):
         batch_size: transitions of an update.
         tau: share of the online networks that goes into the targets; 1 is a hard update.
         gamma: discount of 75 ticks; a step takes info["ticks"], or 75.
-        train_freq: (1, "episode") trains after every finished game of any env; or (n, "step") of the VecEnv.
-        gradient_steps: updates each time.
+        train_freq: (1, "episode") trains after every finished game of any env; or (n, "step") of the VecEnv, n for short.
+        gradient_steps: updates each time; those of games or steps that lie longer back are not made up for.
         target_update_interval: updates between two changes of the targets.
         final_learning_rate: where the learning rate ends, in a straight line over the env steps of `learn`; None keeps it.
         mixer: "qmix", "vdn" or "iql".
@@ -80,15 +146,11 @@ class QMIX(PlainZipAlgorithm):
         "TaskPolicy": TaskPolicy,
         "MultiInputPolicy": TaskPolicy,
     }
-    made_again: ClassVar[tuple[str, ...]] = (
-        *PlainZipAlgorithm.made_again,
-        "rng",
-        "explorer",
-        "current",
-        "game_log",
-        "learner",
-        "_mixer_alone",
-    )
+    zip_name: ClassVar[str] = "QMIX"
+    settings: ClassVar[Table] = SETTINGS
+    state: ClassVar[Table] = {**COUNTERS, "_periods_trained": COUNTER}
+    attributes: ClassVar[Mapping[str, str]] = {**TaskModel.attributes, "train_freq": "update_every"}
+    places: ClassVar[tuple[str, ...]] = (*TaskModel.places, "mixer")
     _mixer_alone = False  # while it alone learns
 
     def __init__(
@@ -101,7 +163,7 @@ class QMIX(PlainZipAlgorithm):
         batch_size: int = 128,
         tau: float = 0.01,
         gamma: float = 0.99,
-        train_freq: tuple[int, str] = (1, "episode"),
+        train_freq: int | tuple[int, str] = (1, "episode"),
         gradient_steps: int = 1,
         target_update_interval: int = 1,
         *,
@@ -137,7 +199,7 @@ class QMIX(PlainZipAlgorithm):
             tau,
             gamma,
             gradient_steps=gradient_steps,
-            policy_kwargs={"mixer": mixer, **(policy_kwargs or {})},
+            policy_kwargs={"mixer": mixer, **setting("policy_kwargs", policy_kwargs or {}, options)},
             stats_window_size=stats_window_size,
             tensorboard_log=tensorboard_log,
             verbose=verbose,
@@ -146,11 +208,7 @@ class QMIX(PlainZipAlgorithm):
             support_multi_env=True,
             sde_support=False,
         )
-        if train_freq[0] < 1 or train_freq[1] not in ("episode", "step"):
-            raise ConfigError(
-                f"train_freq must be (n, 'episode') or (n, 'step') with n >= 1, got {train_freq}"
-            )
-        self.update_every = train_freq  # SB3 counts episodes with a single env only
+        self.update_every: Any = train_freq  # SB3 counts episodes with a single env only
         self.target_update_interval = target_update_interval
         self.final_learning_rate = final_learning_rate
         self.n_steps, self.td_lambda, self.double_q, self.loss = n_steps, td_lambda, double_q, loss
@@ -165,7 +223,9 @@ class QMIX(PlainZipAlgorithm):
 
     def _setup_model(self) -> None:
         """Build networks and replay; SB3's own would store every observation twice."""
-        check_ranges(vars(self))
+        self._mend_settings()
+        if self.env is not None:
+            self.check_env(self.env)
         self._setup_lr_schedule()
         self.set_random_seed(self.seed)
         self.rng = np.random.default_rng(self.seed)
@@ -176,23 +236,24 @@ class QMIX(PlainZipAlgorithm):
             self.observation_space, self.action_space, self.lr_schedule, **self.policy_kwargs
         )
         self.policy = policy.to(self.device)  # type: ignore[assignment]
-        self.replay_buffer = StepReplay(
-            self.buffer_size, self.observation_space, self.action_space, self.device, self.n_envs, self.gamma
-        )
+        self._give_room()
         self.learner = self._make_learner()
         self.follow_lower()
         self._begin_games()
         self._convert_train_freq()
 
-    def set_env(self, env: GymEnv, force_reset: bool = True) -> None:
-        """Go on in another env of the same sizes; to train, it must give the mixer the same state."""
-        super().set_env(env, force_reset)
-        self.follow_lower()
+    @classmethod
+    def _checked(cls, zipped: ModelZip, given: dict[str, Any]) -> dict[str, Any]:
+        mixer = given.pop("mixer", None)
+        values = super()._checked(zipped, given)
+        if mixer is not None:
+            values["policy_kwargs"] = {**values["policy_kwargs"], "mixer": mixer}
+        return values
 
-    def follow_lower(self) -> None:
-        """Let the pieces of a frozen copy be led as the env's are, where tasks are carried out by a lower level."""
-        if self.env is not None and self.env.has_attr("lower_level"):
-            self.policy.lower = self.env.get_attr("lower_level")[0]
+    def _make_replay(self, buffer_size: int) -> StepReplay:
+        return StepReplay(
+            buffer_size, self.observation_space, self.action_space, self.device, self.n_envs, self.gamma
+        )
 
     def _setup_lr_schedule(self) -> None:
         """Make the schedule, of plain numbers where it falls; its progress goes on in a resumed run."""
@@ -244,7 +305,11 @@ class QMIX(PlainZipAlgorithm):
         if reset_num_timesteps or self._last_obs is None:
             self._begin_games()
         self.policy.agent.requires_grad_(not self._mixer_alone)  # a refit that was interrupted left it frozen
-        return super()._setup_learn(total_timesteps, callback, reset_num_timesteps, tb_log_name, progress_bar)
+        steps, callbacks = super()._setup_learn(
+            total_timesteps, callback, reset_num_timesteps, tb_log_name, progress_bar
+        )
+        self._lead_evaluations(callbacks)
+        return steps, callbacks
 
     @property
     def exploration_rate(self) -> float:
@@ -278,9 +343,10 @@ class QMIX(PlainZipAlgorithm):
         deterministic: bool = False,
     ) -> tuple[np.ndarray, tuple[np.ndarray, ...] | None]:
         """Tasks for one observation or a batch; not deterministic: each piece explores with probability epsilon."""
+        self._warn_of_the_heuristic()
         tasks, state = self.policy.predict(observation, state)
+        mask = checked_masks(np.asarray(observation["action_mask"]))
         if not deterministic:
-            mask = np.asarray(observation["action_mask"]) != 0
             tasks = np.where(
                 self.rng.random(tasks.shape) < self.exploration_rate, random_tasks(mask, self.rng), tasks
             )
@@ -334,12 +400,6 @@ class QMIX(PlainZipAlgorithm):
         self.policy.take_over(policy)
         self.lead_with(policy.lower)
 
-    def lead_with(self, lower: Lower) -> None:
-        """Let a lower level lead the pieces of this model's env, and of its frozen copies."""
-        self.policy.lower = lower
-        if self.env is not None and self.env.has_attr("lower_level"):
-            self.env.env_method("set_lower", lower)
-
     def refit_mixer(self, total_timesteps: int) -> None:
         """Let the mixer alone learn for some env steps: the values of agents that came without one.
 
@@ -390,11 +450,17 @@ class QMIX(PlainZipAlgorithm):
         self.logger.record_mean("train/q_total", q_total * self.reward_scale)
 
     def _periods_due(self) -> int:
-        """Periods of `train_freq` that ended since the last call."""
+        """Periods of `train_freq` that ended since the last call, as far as one vector step can end them.
+
+        So nothing piles up before `learning_starts`, or where a model goes on with fewer games at a time.
+        """
         length, unit = self.update_every
-        periods = (self._episode_num if unit == "episode" else self.num_timesteps // self.n_envs) // length
+        if unit == "episode":
+            periods, most = self._episode_num // length, -(-self.n_envs // length)
+        else:
+            periods, most = self.num_timesteps // self.n_envs // length, 1
         due, self._periods_trained = periods - self._periods_trained, periods
-        return due
+        return min(max(due, 0), most)
 
     def _sample(self, size: int) -> Batch:
         if self.td_lambda is None:

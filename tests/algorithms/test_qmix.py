@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any, cast
 
@@ -14,7 +15,8 @@ from numpy.typing import NDArray
 from stable_baselines3.common.callbacks import CheckpointCallback, EvalCallback
 from stable_baselines3.common.evaluation import evaluate_policy
 from stable_baselines3.common.logger import configure
-from stable_baselines3.common.vec_env import VecMonitor, VecNormalize
+from stable_baselines3.common.type_aliases import TrainFreq, TrainFrequencyUnit
+from stable_baselines3.common.vec_env import VecCheckNan, VecFrameStack, VecMonitor, VecNormalize
 
 from hexwar_sb3.algorithms.presets import PRESETS
 from hexwar_sb3.algorithms.qmix import QMIX, chunk_sizes
@@ -71,9 +73,27 @@ def test_one_update_is_made_for_every_finished_game(make_model: MakeModel) -> No
 
 
 def test_updates_may_follow_vector_steps_instead(make_model: MakeModel) -> None:
+    """Learning begins after the sixth vector step of forty; what came before is not made up for."""
     model = make_model(train_freq=(2, "step"), gradient_steps=3).learn(160)
 
-    assert model._n_updates == 40 // 2 * 3
+    assert model._n_updates == 18 * 3
+
+
+def test_updates_do_not_pile_up(make_model: MakeModel, make_env: MakeEnv, tmp_path: Path) -> None:
+    """Before learning starts, or where a model goes on with fewer games: at most those of one vector step are made."""
+    for train_freq in ((1, "episode"), (3, "episode"), (1, "step"), (5, "step")):
+        model = make_model(train_freq=train_freq, learning_starts=200).learn(208)
+        assert 0 <= model._n_updates <= 4
+        model.save(tmp_path / "model.zip")
+        fewer = QMIX.load(tmp_path / "model.zip", env=make_env(1))
+        before = fewer._n_updates
+        fewer.learn(2, reset_num_timesteps=False)
+        assert fewer._n_updates - before <= 2
+
+
+def test_all_games_that_ended_while_learning_began_are_learned_from(make_model: MakeModel) -> None:
+    """Games of one length end together, and learning may begin a little later."""
+    assert make_model(learning_starts=30).learn(32)._n_updates == 4
 
 
 def test_epsilon_follows_the_number_of_games_and_survives_a_second_learn(make_model: MakeModel) -> None:
@@ -205,7 +225,34 @@ def test_a_loss_that_is_not_finite_stops_before_the_weights_are_touched(make_mod
         ({"batch_size": 0}, "batch_size must be at least 1"),
         ({"exploration_final_eps": 1.5}, "exploration_final_eps must be in"),
         ({"td_lambda": 2.0}, r"td_lambda must be in \[0, 1\], got 2.0"),
-        ({"train_freq": (1, "game")}, "train_freq must be"),
+        *(
+            ({"train_freq": wrong}, r"train_freq must be \(n, 'episode'\) or")
+            for wrong in (
+                (1, "game"),
+                ("step", 4),
+                0,
+                (0, "step"),
+                True,
+                "step",
+                None,
+                (1,),
+                (1.5, "step"),
+                [4],
+            )
+        ),
+        (
+            {"learning_rate": lambda left: left, "final_learning_rate": 1e-5},
+            "final_learning_rate needs a number",
+        ),
+        ({"batch_size": 16.5}, "batch_size must be a whole number"),
+        ({"batch_size": True}, "batch_size must be a whole number"),
+        ({"buffer_size": 10**12}, "buffer_size must be at most"),
+        ({"double_q": 1}, "double_q must be True or False"),
+        ({"gamma": "x"}, r"gamma must be in \[0, 1\], got 'x'"),
+        ({"learning_rate": float("nan")}, "learning_rate must be above 0 and finite"),
+        ({"policy_kwargs": "x"}, "policy_kwargs must be names and values"),
+        ({"policy_kwargs": {"hiden": 3}}, "unexpected keyword argument 'hiden'.*did you mean 'hidden'"),
+        *(({"seed": seed}, "seed must be") for seed in (2**32, 2**63, 2**200, -1, "x", 0.5)),
         ({"stickiness": -1.0}, r"stickiness must be in \[0, 1\)"),
         ({"policy_kwargs": {"network": "deep"}}, "unknown network 'deep'"),
     ],
@@ -217,14 +264,88 @@ def test_settings_out_of_range_are_refused_with_the_range(
         make_model(**options)
 
 
+@pytest.mark.parametrize(
+    ("given", "expected"),
+    [
+        (4, (4, "step")),
+        ((4, "step"), (4, "step")),
+        ([2, "episode"], (2, "episode")),
+        (TrainFreq(4, TrainFrequencyUnit.STEP), (4, "step")),
+        (np.int64(4), (4, "step")),
+        ((4.0, "step"), (4, "step")),
+    ],
+)
+def test_the_forms_of_train_freq_that_sb3_knows(
+    make_model: MakeModel, given: Any, expected: tuple[int, str]
+) -> None:
+    model = make_model(train_freq=given).learn(40)
+
+    assert model.update_every == expected
+
+
 def test_an_env_without_task_sets_is_refused_with_the_way_out() -> None:
     with pytest.raises(ConfigError, match="JointActionEnv makes them of a PettingZoo parallel env"):
         QMIX("TaskPolicy", "CartPole-v1")
 
 
-def test_a_wrapper_that_changes_the_masks_is_named(make_model: MakeModel, make_env: MakeEnv) -> None:
-    model = make_model(env=VecNormalize(make_env()))
-    with pytest.raises(TrainingError, match=r"VecNormalize must leave them alone"):
-        model.learn(20)
+@pytest.mark.parametrize(
+    "wrap",
+    [
+        VecNormalize,
+        partial(VecNormalize, norm_obs_keys=["obs", "tasks"]),
+        partial(VecNormalize, norm_obs=False),
+        partial(VecFrameStack, n_stack=1),
+        partial(VecFrameStack, n_stack=4),
+        lambda env: VecMonitor(VecCheckNan(VecNormalize(env))),
+    ],
+)
+def test_an_env_whose_observations_or_rewards_are_changed_is_refused(
+    make_model: MakeModel, make_env: MakeEnv, tmp_path: Path, wrap: Callable[[Any], Any]
+) -> None:
+    """It would act on what the wrapper gives and learn from what the env gives."""
+    model = make_model()
+    model.save(tmp_path / "model.zip")
+    for use in (
+        lambda env: make_model(env=env),
+        model.set_env,
+        lambda env: QMIX.load(tmp_path / "model.zip", env=env),
+    ):
+        with pytest.raises(ConfigError):
+            use(wrap(make_env()))
+    assert model.env is not None
+    make_model(env=VecCheckNan(make_env())).learn(40)
 
-    make_model(env=VecNormalize(make_env(), norm_obs_keys=["obs", "tasks"])).learn(20)
+
+def test_masks_that_are_none_are_refused(make_model: MakeModel, make_env: MakeEnv) -> None:
+    """An env of one's own may be normalised where nobody looks."""
+    observation = first_look(make_env())
+    observation["action_mask"] = observation["action_mask"] - 0.5
+
+    for deterministic in (True, False):
+        with pytest.raises(TrainingError, match="a wrapper changed them"):
+            make_model().predict(observation, deterministic=deterministic)
+
+
+def test_a_seed_that_is_set_later_reaches_exploration(make_model: MakeModel) -> None:
+    models = [make_model(exploration_initial_eps=1.0, exploration_final_eps=1.0, seed=None) for _ in range(2)]
+    for model in models:
+        model.policy.load_state_dict(models[0].policy.state_dict())
+        model.set_random_seed(5)
+
+    first, second = (weights(model.learn(160)) for model in models)
+
+    assert torch.equal(first, second)
+    with pytest.raises(ConfigError, match="seed must be"):
+        model.set_random_seed(2**32)
+
+
+def test_another_number_of_games_is_taken_while_the_replay_is_empty(
+    make_model: MakeModel, make_env: MakeEnv, tmp_path: Path
+) -> None:
+    model = make_model()
+    model.save(tmp_path / "model.zip")
+    for fresh in (model, QMIX.load(tmp_path / "model.zip")):
+        fresh.set_env(make_env(2))
+        assert fresh.learn(60).replay_buffer.rows == 200
+        with pytest.raises(ConfigError, match="steps of 2 games at a time, got an env of 3"):
+            fresh.set_env(make_env(3))
