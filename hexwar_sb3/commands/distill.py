@@ -64,7 +64,9 @@ class Distill:
         compile_first(*self.opponents, scenario=terms.scenario)
         env = {**env_settings(terms, N_ENVS), "side": side, "opponent": list(self.opponents)}
         student = QMIX(
-            "TaskPolicy", make_vec_env("HexWarTask-v0", lower=teachers[0].lower, **env), seed=self.seed
+            "TaskPolicy",
+            make_vec_env("HexWarTask-v0", seed=self.seed, lower=teachers[0].lower, **env),
+            seed=self.seed,
         )
         losses = distill(teachers, student, env, lessons, self.seed)
         names = ", ".join(Path(teacher).name for teacher in self.teachers)

@@ -51,5 +51,5 @@ def compile_part(part: str) -> None:
     if part == "play":
         play_games("MA1", "MA2", 1)
     else:
-        make_vec_env(n_envs=1, privileged_state=True).reset()
-        make_vec_env(ROUTE_ENV, n_envs=1).reset()
+        make_vec_env(n_envs=1, seed=0, privileged_state=True).reset()
+        make_vec_env(ROUTE_ENV, n_envs=1, seed=0).reset()

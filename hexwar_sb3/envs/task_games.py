@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,15 +12,16 @@ from numpy.typing import NDArray
 
 from hexwar_sb3.bots.config import bots_hash
 from hexwar_sb3.checks import check_whole
-from hexwar_sb3.engine.roster import camp_name, enemy_of, parse_camp
-from hexwar_sb3.engine.world import load_world
+from hexwar_sb3.engine.roster import SIDES, camp_name, enemy_of, parse_camp
+from hexwar_sb3.engine.world import World, load_world
 from hexwar_sb3.envs.settings import TaskSettings
-from hexwar_sb3.errors import ConfigError
-from hexwar_sb3.play.arena import Arena, Games, Setup, Snapshot, check_actions
+from hexwar_sb3.errors import ConfigError, shortened
+from hexwar_sb3.play.arena import Arena, Games, Setup, Snapshot
+from hexwar_sb3.play.fit import check_actions, check_fit
 from hexwar_sb3.play.look import Sight
 from hexwar_sb3.play.lower_policy import make_lower
-from hexwar_sb3.play.player import BotPlayer, Seat, make_mixture, make_player
-from hexwar_sb3.play.seeds import check_seed, episode_draw, game_seed
+from hexwar_sb3.play.player import BotPlayer, Mixture, Seat, make_mixture, make_player
+from hexwar_sb3.play.seeds import chosen_seed, episode_draw, game_seed
 from hexwar_sb3.play.warm import WARM_TICKS, send_out
 from hexwar_sb3.rules.enums import Camp
 from hexwar_sb3.tasks.features import BOUND, index
@@ -27,6 +29,7 @@ from hexwar_sb3.tasks.records import MAX_TASKS
 
 Obs = dict[str, NDArray[Any]]
 
+CAMPS_OF = {"red": ("red",), "blue": ("blue",), "both": ("red", "blue")}  # that a side stands for
 _UNDER_WAY = index("row", 1, 1, 1)["task: under way"].start  # column of a task row
 
 _DEMO_STREAM, _WARM_STREAM = 2, 3  # of an episode's draws; 1 is the opponent's
@@ -50,14 +53,15 @@ class TaskGames:
     the next.
     """
 
-    def __init__(self, n_games: int, settings: TaskSettings, seed: int = 0) -> None:
+    def __init__(self, n_games: int, settings: TaskSettings, seed: int | None = None) -> None:
         check_whole("n_envs", n_games, least=1)
         self.settings, self.n_games = settings, n_games
-        self.mixture = make_mixture(settings.opponent)
         self.lower = make_lower(settings.lower)
-        self.demo_bot = None if settings.demo_bot is None else make_player(settings.demo_bot)
+        self.demo_bot = _demo_bot(settings.demo_bot)
         self.demo_share, self.warm_start = settings.demo_share, settings.warm_start
         self.arena = Arena(load_world(settings.scenario), n_games, setup_of(settings))
+        check_pieces(self.arena.world)
+        self.mixture = fitting_mixture(settings.opponent, self.arena.world, self._rival_camps)
         self.all = np.arange(n_games)
         self.camps = np.zeros(n_games, np.int64)  # the learner's [n]
         self.episodes = np.full(n_games, -1)  # number of the episode in each slot [n]
@@ -67,9 +71,14 @@ class TaskGames:
         self._sights = self._new_sight(), self._new_sight()
         self.seed(seed)
 
-    def seed(self, seed: int) -> None:
-        """Count episodes from 0 again, under another seed."""
-        self._seed, self._next_episode, self._turn = check_seed(seed), 0, 0
+    def seed(self, seed: int | None) -> None:
+        """Count episodes from 0 again, under another seed; None draws one."""
+        self._seed, self._next_episode, self._turn = chosen_seed(seed), 0, 0
+
+    @property
+    def first_seed(self) -> int:
+        """The seed of the episodes, as it was given or drawn."""
+        return self._seed
 
     @property
     def sight(self) -> Sight:
@@ -101,8 +110,11 @@ class TaskGames:
         """Draw the opponents of the next episodes from another mixture; running games end as they began.
 
         A snapshot names opponents by their place in the mixture: to restore one, give those that play their places.
+
+        Raises:
+            ConfigError: one of them is for other pieces, tasks or features; those of before stay.
         """
-        self.mixture = make_mixture(opponent)
+        self.mixture = fitting_mixture(opponent, self.arena.world, self._rival_camps)
 
     def _lead(self, b: int) -> None:
         """Say who answers for the learner's pieces on their way; a demo bot leads its own."""
@@ -118,22 +130,32 @@ class TaskGames:
         """Let the other set of buffers be the present one."""
         self._turn = 1 - self._turn
 
-    def play(self, actions: NDArray[Any]) -> Span:
+    def check_begun(self) -> None:
+        """Check that every slot has a game.
+
+        Raises:
+            ConfigError: some have none.
+        """
+        if (self.episodes < 0).any():
+            raise ConfigError("no game has begun: reset the env before the first step")
+
+    def play(self, actions: object) -> Span:
         """Play one decision: give the tasks, advance to the learner's next decision or the end.
 
-        The reward is the margin's gain, eq. (3).
+        The reward is the gain of the referee's margin, eq. (3), whoever sees why.
 
         Args:
             actions: task indices [n, N].
 
         Raises:
-            ConfigError: they are no whole numbers, or of another shape.
+            ConfigError: they are no whole numbers, or of another shape; or no game has begun.
         """
-        check_actions(actions, self.sight.rows.shape[:2])
+        self.check_begun()
+        picked = check_actions(actions, self.sight.rows.shape[:2])
         before, start = self.scores(), self.arena.state.games.tick.astype(np.int64)
         shown, learns = self.all[self.demos], self.all[~self.demos]
         illegal = np.zeros(self.n_games, np.int64)
-        illegal[learns] = self.arena.choose(learns, learns, self.camps[learns], actions[learns], self.sight)
+        illegal[learns] = self.arena.choose(learns, learns, self.camps[learns], picked[learns], self.sight)
         demo = self._show(shown)
         self._advance(self.all)
         return Span(
@@ -209,6 +231,11 @@ class TaskGames:
             "demos": self.demos,
         }
 
+    @property
+    def _rival_camps(self) -> list[Camp]:
+        """Camps that opponents play."""
+        return [enemy_of(parse_camp(side)) for side in CAMPS_OF[self.settings.side]]
+
     def _camp_of(self, episode: int) -> Camp:
         if self.settings.side == "both":
             return (Camp.RED, Camp.BLUE)[episode % 2]
@@ -262,6 +289,41 @@ class TaskGames:
         return Sight(
             world, camp, self.n_games, dtype=self.settings.dtype, with_state=self.settings.privileged_state
         )
+
+
+def check_pieces(world: World) -> None:
+    """Check that both camps have somebody to play with.
+
+    Raises:
+        ConfigError: one has no piece.
+    """
+    for camp in SIDES:
+        if not world.piece_names(camp):
+            raise ConfigError(
+                f"scenario {world.scenario.name!r}: {camp_name(camp)} has no pieces, nothing to learn"
+            )
+
+
+def fitting_mixture(opponent: object, world: World, camps: Iterable[Camp]) -> Mixture:
+    """Opponents that can play these camps, as `make_mixture` takes them.
+
+    Raises:
+        ConfigError: one is for other pieces, tasks or features; and as `make_mixture`.
+    """
+    mixture = make_mixture(opponent)
+    for camp in camps:
+        for seat, name in zip(mixture.players, mixture.names, strict=True):
+            check_fit(seat, world, camp, name)
+    return mixture
+
+
+def _demo_bot(name: str | None) -> BotPlayer | None:
+    if name is None:
+        return None
+    bot = make_player(name)
+    if not isinstance(bot, BotPlayer):
+        raise ConfigError(f"demo_bot is a bot, which runs in the drive loop; got {shortened(repr(name))}")
+    return bot
 
 
 def setup_of(settings: TaskSettings) -> Setup:
