@@ -18,6 +18,7 @@ if TYPE_CHECKING:  # for type checkers and editors; `_HOMES` says the same to Py
     from hexwar_sb3.algorithms.qmix import QMIX as QMIX
     from hexwar_sb3.engine.batch import Engine as Engine
     from hexwar_sb3.engine.game import Game as Game
+    from hexwar_sb3.engine.game import IllegalOrderWarning as IllegalOrderWarning
     from hexwar_sb3.engine.orders import Decompress as Decompress
     from hexwar_sb3.engine.orders import GetOff as GetOff
     from hexwar_sb3.engine.orders import GetOn as GetOn
@@ -51,6 +52,7 @@ _HOMES = {
     "GuideShoot": "engine.orders",
     "HexWarError": "errors",
     "Hide": "engine.orders",
+    "IllegalOrderWarning": "engine.game",
     "IndirectShoot": "engine.orders",
     "HierarchicalQMIX": "algorithms.hierarchical",
     "JointActionEnv": "envs.joint_action",

@@ -285,7 +285,7 @@ class HierarchicalQMIX(QMIX):
         if self.lower.env is None:
             options = {"n_envs": LOWER_ENVS, **self._shared_settings(), **self.route_kwargs}
             lower = self.policy.lower if isinstance(self.policy.lower, FrozenLower) else HEURISTIC_LOWER
-            self.lower_env = make_vec_env(ROUTE_ENV, seed=self.seed or 0, lower=lower, **options)
+            self.lower_env = make_vec_env(ROUTE_ENV, seed=self.seed, lower=lower, **options)
             self.lower.set_env(self.lower_env)
         return cast("VecEnv", self.lower.env)
 

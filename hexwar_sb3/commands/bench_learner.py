@@ -28,7 +28,9 @@ def learner_figures(scenario: str, rounds: int) -> dict[str, float]:
 
 def _filled(scenario: str, network: str) -> QMIX:
     """Make a learner whose replay is full enough, and that has made no update yet."""
-    env = make_vec_env("HexWarTask-v0", n_envs=GAMES, scenario=scenario, side="both", privileged_state=True)
+    env = make_vec_env(
+        "HexWarTask-v0", n_envs=GAMES, seed=0, scenario=scenario, side="both", privileged_state=True
+    )
     model = QMIX(
         "TaskPolicy",
         env,

@@ -68,7 +68,9 @@ class Distill:
         terms.check_opponents(self.opponents)
         env = {**env_settings(terms, N_ENVS), "side": side, "opponent": list(self.opponents)}
         student = QMIX(
-            "TaskPolicy", make_vec_env("HexWarTask-v0", lower=teachers[0].lower, **env), seed=self.seed
+            "TaskPolicy",
+            make_vec_env("HexWarTask-v0", seed=self.seed, lower=teachers[0].lower, **env),
+            seed=self.seed,
         )
         with holding(self.output, "policy"):
             losses = distill(teachers, student, env, lessons, self.seed)

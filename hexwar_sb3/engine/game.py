@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from copy import copy
@@ -31,6 +32,10 @@ from hexwar_sb3.rules import RuleSet
 from hexwar_sb3.rules.enums import Camp
 
 LOG_ROWS = 4096  # more events than one step can make
+
+
+class IllegalOrderWarning(UserWarning):
+    """An order that will be refused was given to a game whose caller did not say what to do then."""
 
 
 class Game:
@@ -111,27 +116,45 @@ class Game:
 
     # --- playing ---------------------------------------------------------------------------------
 
-    def submit(self, camp: str, orders: Order | Iterable[Order]) -> list[str | None]:
+    def submit(
+        self, camp: str, orders: Order | Iterable[Order], *, strict: bool | None = None
+    ) -> list[str | None]:
         """Give orders for the current tick; a later order for a piece replaces its earlier one.
 
-        An illegal order is taken as null and noted in the replay.
+        Args:
+            camp: whose orders they are.
+            orders: one, or several.
+            strict: an illegal order raises, and none is taken. If not, it is taken as null and noted in the
+                replay: without a word if False, with an `IllegalOrderWarning` if nothing is said.
 
         Returns:
             For each order why it will be refused, or None.
 
         Raises:
-            OrderError, UnknownNameError: an order that cannot be read; then none is taken.
+            OrderError, UnknownNameError: an order that cannot be read or (`strict`) is illegal; then none is taken.
+
+        Example:
+            >>> game.submit("red", orders, strict=False)
+            ["red tank0 is moving; ..."]
         """
         side = parse_camp(camp)
         batch = list(orders) if isinstance(orders, Iterable) else [orders]
         rows = np.zeros(len(batch), ORDER).view(np.recarray)
         places = [self._write(side, order, row) for order, row in zip(batch, rows, strict=True)]
         advisor = self._advisor(side)
+        reasons = [advisor.why_illegal(order) for order in batch]
+        refused = [
+            f"{camp_name(side)}, {order}: {why}" for order, why in zip(batch, reasons, strict=True) if why
+        ]
+        if refused and strict:
+            raise OrderError(refused[0])
+        for said in refused if strict is None else ():
+            warnings.warn(f"an illegal order is taken as null: {said}", IllegalOrderWarning, stacklevel=2)
         for i, order, row in zip(places, batch, rows, strict=True):
             self.state.orders[0, i] = row
             self._given[i] = order
         self._given = {i: order for i, order in self._given.items() if not isinstance(order, Null)}
-        return [advisor.why_illegal(order) for order in batch]
+        return reasons
 
     def _write(self, camp: Camp, order: Order, row: Row) -> int:
         if not isinstance(order, Order):

@@ -272,7 +272,8 @@ class Replay:
         game.advance(place.integer("tick", game.tick, end_tick) - game.tick)
         try:
             if line["type"] == "orders":
-                game.submit(line["camp"], [Order.parse(text) for text in line["orders"]])
+                orders = [Order.parse(text) for text in line["orders"]]
+                game.submit(line["camp"], orders, strict=False)
             elif line["type"] == "edit":
                 editor = Editor(
                     game.state, game.world

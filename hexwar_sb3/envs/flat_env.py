@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hexwar_sb3.envs.flat_games import FlatGames, flat_settings, flat_spaces
-from hexwar_sb3.errors import UnknownNameError
+from hexwar_sb3.envs.settings import check_choice
 
 
 class FlatEnv(gymnasium.Env[NDArray[Any], np.int64]):
@@ -24,13 +24,16 @@ class FlatEnv(gymnasium.Env[NDArray[Any], np.int64]):
     The reward, the margin's gain by eq. (3), comes with the turn that advances time, and is 0 with the
     others; info["ticks"] is the time that was played. Only turns that advance time should discount, yet a
     stock learner has one gamma a step: for gamma a decision and N pieces give it gamma^(1/N), or 1.
+    The reward is the referee's margin, so it tells of hits on enemies that the camp does not see; the observations
+    tell nothing of them.
 
     Args:
         render_mode: "rgb_array": `render` draws what the learner's camp knows; None: it does not.
         settings: fields of `TaskSettings`, but for `lower`, `demo_bot`, `demo_share` and `privileged_state`.
 
     Raises:
-        UnknownNameError: no such setting or choice.
+        UnknownNameError: no such choice.
+        UnknownSettingError: no such setting.
         ConfigError: a setting is out of its range, or the flat env cannot have it.
 
     Example:
@@ -41,25 +44,26 @@ class FlatEnv(gymnasium.Env[NDArray[Any], np.int64]):
     metadata: dict[str, Any] = {"render_modes": ["rgb_array"], "render_fps": 4}  # noqa: RUF012  (Gymnasium declares it so)
 
     def __init__(self, render_mode: str | None = None, **settings: Any) -> None:
-        if render_mode is not None and render_mode not in self.metadata["render_modes"]:
-            raise UnknownNameError("render_mode", render_mode, self.metadata["render_modes"])
+        if render_mode is not None:
+            check_choice("render_mode", render_mode, self.metadata["render_modes"])
         self.render_mode = render_mode
         self.games = FlatGames(1, flat_settings(settings))
         self.observation_space, self.action_space = flat_spaces(self.games)
+        super().reset(seed=self.games.first_seed)
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[NDArray[Any], dict[str, Any]]:
-        """Start the next episode; with a seed, the first one of that seed."""
-        super().reset(seed=seed)
+        """Start the next episode; with a seed, the first one of that seed. A new env draws one."""
         if seed is not None:
             self.games.seed(seed)
+        super().reset(seed=seed)
         self.games.begin(self.games.all)
         return self.games.observe()[0], {}
 
     def step(self, action: np.int64) -> tuple[NDArray[Any], float, bool, bool, dict[str, Any]]:
         """Play one piece's turn; the last tick is the end."""
-        span = self.games.play(np.asarray(action)[None])
+        span = self.games.play([action])
         over = bool(span.over[0])
         info: dict[str, Any] = {"ticks": int(span.ticks[0]), "illegal_actions": int(span.illegal[0])}
         if over:

@@ -10,12 +10,12 @@ from numpy.typing import NDArray
 
 from hexwar_sb3.engine.fields import check_all, check_range
 from hexwar_sb3.engine.state import State
-from hexwar_sb3.envs.route_vec_env import check_answers
 from hexwar_sb3.envs.settings import TaskSettings, task_settings
 from hexwar_sb3.envs.task_games import Span, TaskGames
 from hexwar_sb3.errors import ConfigError
 from hexwar_sb3.kernels import Rows
 from hexwar_sb3.play.arena import Games, Snapshot
+from hexwar_sb3.play.fit import check_actions
 from hexwar_sb3.play.flat import flat_observation
 from hexwar_sb3.rules.enums import Camp
 from hexwar_sb3.tasks.features import BOUND
@@ -40,7 +40,7 @@ class FlatGames(TaskGames):
 
     keeps_answers = True
 
-    def __init__(self, n_games: int, settings: TaskSettings, seed: int = 0) -> None:
+    def __init__(self, n_games: int, settings: TaskSettings, seed: int | None = None) -> None:
         super().__init__(n_games, settings, seed)
         shape = self.sight.rows.shape[:2]
         self.acting = np.zeros(n_games, np.int64)  # slot of the piece whose turn it is [n]
@@ -63,21 +63,22 @@ class FlatGames(TaskGames):
         tasks = self.sight.obs["action_mask"][self.all, self.acting]
         return (tasks[:, :, None] * ways[:, None, :]).reshape(self.n_games, -1).astype(np.bool_)
 
-    def play(self, actions: NDArray[Any]) -> Span:
+    def play(self, actions: object) -> Span:
         """Give every acting piece its action; play on to the next decision where it was the last one's turn.
 
         Args:
             actions: task index * 7 + answer [n]; an illegal one stands for stop, or for staying.
 
         Raises:
-            ConfigError: they are no whole numbers, or of another shape.
+            ConfigError: they are no whole numbers, or of another shape; or no game has begun.
         """
-        actions = check_answers(actions, self.n_games)
+        self.check_begun()
+        picked = check_actions(actions, (self.n_games,), axes="")
         before, start = self.scores(), self.arena.state.games.tick.astype(np.int64)
-        known = (actions >= 0) & (actions < MAX_TASKS * N_ANSWERS)
-        illegal = ~(known & self.masks()[self.all, np.where(known, actions, 0)])
+        known = (picked >= 0) & (picked < MAX_TASKS * N_ANSWERS)
+        illegal = ~(known & self.masks()[self.all, np.where(known, picked, 0)])
         acting = self.all, self.acting
-        self.picked[acting], self.answers[acting] = np.divmod(actions, N_ANSWERS)
+        self.picked[acting], self.answers[acting] = np.divmod(picked, N_ANSWERS)
         self._decide(self._pass_on(self.all, self.acting))
         return Span(
             reward=(self.scores() - before).astype(np.float32),
@@ -134,7 +135,7 @@ def flat_settings(settings: dict[str, Any]) -> TaskSettings:
     """Settings from keywords.
 
     Raises:
-        UnknownNameError: no such setting.
+        UnknownSettingError: no such setting.
         ConfigError: one that the flat env cannot have.
     """
     for name in settings:

@@ -22,10 +22,10 @@ class FlatVecEnv(NativeVecEnv):
     Args:
         n_envs: games.
         settings: the env's settings, from `flat_settings`.
-        seed: of the episodes.
+        seed: of the episodes; None draws one.
     """
 
-    def __init__(self, n_envs: int, settings: TaskSettings, seed: int = 0) -> None:
+    def __init__(self, n_envs: int, settings: TaskSettings, seed: int | None = None) -> None:
         self.games = FlatGames(n_envs, settings, seed)
         super().__init__(n_envs, *flat_spaces(self.games))
 
@@ -48,7 +48,7 @@ class FlatVecEnv(NativeVecEnv):
         info: dict[str, Any] = {"ticks": int(span.ticks[b]), "illegal_actions": int(span.illegal[b])}
         if span.over[b]:
             info |= self.games.outcome(b)
-            info["terminal_observation"] = obs[b]
+            info["terminal_observation"] = obs[b].copy()
             info["TimeLimit.truncated"] = False
         return info
 
@@ -57,10 +57,9 @@ class FlatVecEnv(NativeVecEnv):
         return self.games.masks()
 
     def seed(self, seed: int | None = None) -> Sequence[int | None]:
-        """Count episodes from 0 again under this seed; takes effect at the next reset."""
-        if seed is not None:
-            self.games.seed(seed)
-        return [seed] * self.num_envs
+        """Count episodes from 0 again under this seed, or a drawn one; takes effect at the next reset."""
+        self.games.seed(seed)
+        return [self.games.first_seed] * self.num_envs
 
     def snapshot(self) -> Snapshot:
         """Everything that changes in play, as arrays that `np.savez` takes."""

@@ -10,10 +10,13 @@ from gymnasium import spaces
 from numpy.typing import NDArray
 from pettingzoo import ParallelEnv
 
-from hexwar_sb3.errors import ConfigError, UnknownNameError
+from hexwar_sb3.envs.settings import check_choice
+from hexwar_sb3.errors import ConfigError, shortened
+from hexwar_sb3.play.fit import check_actions
 
 Obs = dict[str, NDArray[Any]]
 TEAM_REWARDS = ("mean", "sum")
+_ARRAYS = (spaces.Box, spaces.Discrete, spaces.MultiBinary, spaces.MultiDiscrete)
 
 
 class JointActionEnv(gymnasium.Env[Obs, NDArray[np.int64]]):
@@ -21,29 +24,33 @@ class JointActionEnv(gymnasium.Env[Obs, NDArray[np.int64]]):
 
     Agents may differ in actions and observations; shorter ones are padded, and a one-hot of the agent is
     added to what it sees. Masks are read from an observation of {"observation", "action_mask"} or from
-    infos["action_mask"]. An agent that left is dead: only action 0 is valid for it, and ignored.
+    infos["action_mask"]. An agent that left, or has not come yet, is dead: only action 0 is valid for it, and
+    ignored; what it saw last stays, or is 0.
 
     Args:
-        env: with Discrete actions.
+        env: with Discrete actions, and observations that are one array, or a Dict of one and its mask.
         team_reward: "mean" of the agents' rewards (for envs that give the team's reward to each), or "sum".
         privileged_state: add env.state(), where it has one, for the mixer.
 
     Raises:
-        ConfigError: not a ParallelEnv, or an action space is not Discrete.
+        ConfigError: not a ParallelEnv, or an agent's actions or observations are of another kind.
     """
 
     def __init__(
         self, env: ParallelEnv[Any, Any, Any], team_reward: str = "mean", privileged_state: bool = True
     ) -> None:
-        if team_reward not in TEAM_REWARDS:
-            raise UnknownNameError("team_reward", team_reward, TEAM_REWARDS)
+        check_choice("team_reward", team_reward, TEAM_REWARDS)
         if not isinstance(env, ParallelEnv):
             raise ConfigError(f"JointActionEnv takes a PettingZoo ParallelEnv, got {type(env).__name__}")
         self.env, self._sum = env, team_reward == "sum"
-        self.names = list(env.possible_agents)
+        self.names = list(getattr(env, "possible_agents", ()))
+        if not self.names:
+            raise ConfigError("JointActionEnv needs an env that names its possible_agents beforehand")
         self.actions = {name: _discrete(env.action_space(name)) for name in self.names}
-        self._widths = {name: _width(env.observation_space(name)) for name in self.names}
-        self._with_state = privileged_state and type(env.unwrapped).state is not ParallelEnv.state
+        self._widths = {
+            name: _width(name, env.observation_space(name), int(self.actions[name].n)) for name in self.names
+        }
+        self._state_shape = _state_shape(env) if privileged_state else None
         self._observed: dict[Any, Any] = {}
         n, k = len(self.names), max(int(space.n) for space in self.actions.values())
         self._rows = np.broadcast_to(np.eye(k, dtype=np.float32), (n, k, k))
@@ -58,9 +65,8 @@ class JointActionEnv(gymnasium.Env[Obs, NDArray[np.int64]]):
             "action_mask": spaces.Box(0, 1, (n, k), np.int8),
             "alive": spaces.Box(0.0, 1.0, (n,)),
         }
-        if self._with_state:
-            self.env.reset()
-            parts["state"] = spaces.Box(-np.inf, np.inf, np.ravel(self.env.state()).shape)
+        if self._state_shape is not None:
+            parts["state"] = spaces.Box(-np.inf, np.inf, self._state_shape)
         return parts
 
     def reset(
@@ -68,23 +74,40 @@ class JointActionEnv(gymnasium.Env[Obs, NDArray[np.int64]]):
     ) -> tuple[Obs, dict[str, Any]]:
         """Start an episode."""
         super().reset(seed=seed)
-        self._observed, infos = self.env.reset(seed=seed, options=options)
+        observed, infos = self.env.reset(seed=seed, options=options)
+        self._observed = dict(observed)
         return self._observe(infos, set(self.env.agents)), {}
 
     def step(self, action: NDArray[np.int64]) -> tuple[Obs, float, bool, bool, dict[str, Any]]:
-        """Let every living agent act [N]; the episode ends when all of them have."""
-        acting = [(i, name) for i, name in enumerate(self.names) if name in self.env.agents]
-        joint = {name: int(self.actions[name].start + action[i]) for i, name in acting}
+        """Let every living agent act [N]; the episode ends when all of them have.
+
+        Raises:
+            ConfigError: they are no whole numbers, an agent has no such action, or no episode is under way.
+        """
+        joint = self._joint(check_actions(action, (len(self.names),), axes=""))
         observed, rewards, terminated, truncated, infos = self.env.step(joint)
         self._observed |= observed
         reward = sum(map(float, rewards.values())) / (1 if self._sum else len(rewards))
-        over = not self.env.agents or all(terminated[name] or truncated[name] for name in joint)
+        ended = {name for name in joint if terminated[name] or truncated[name]}
+        over = set(self.env.agents) <= ended  # others may have come
         cut = over and any(truncated[name] and not terminated[name] for name in joint)
         # PettingZoo empties `agents` at a time limit, yet its last observation is valued: nobody died of it.
         living = {name for name in joint if not terminated[name]} if cut else set(self.env.agents)
         return self._observe(infos, living), reward, over and not cut, cut, {}
 
-    def _observe(self, infos: dict[Any, dict[str, Any]], living: set[Any]) -> Obs:
+    def _joint(self, action: NDArray[np.int64]) -> dict[Any, int]:
+        """Actions of the living agents, as the env inside names them."""
+        acting = [(i, name) for i, name in enumerate(self.names) if name in getattr(self.env, "agents", ())]
+        if not acting:
+            raise ConfigError("no episode is under way: reset the env before a step")
+        for i, name in acting:
+            if not 0 <= action[i] < self.actions[name].n:
+                raise ConfigError(
+                    f"agent {name!r} has the actions 0..{self.actions[name].n - 1}, got {action[i]}"
+                )
+        return {name: int(self.actions[name].start + action[i]) for i, name in acting}
+
+    def _observe(self, infos: dict[Any, dict[str, Any]] | None, living: set[Any]) -> Obs:
         parts = {key: np.zeros(box.shape, box.dtype) for key, box in self._spaces.items()}
         parts["tasks"] = self._rows
         for i, name in enumerate(self.names):
@@ -92,24 +115,36 @@ class JointActionEnv(gymnasium.Env[Obs, NDArray[np.int64]]):
             parts["alive"][i] = alive
             parts["obs"][i] = self._features(i, name)
             parts["action_mask"][i, : self.actions[name].n] = (
-                self._mask(name, infos.get(name, {})) if alive else 0
+                self._mask(name, (infos or {}).get(name) or {}) if alive else 0
             )
             parts["action_mask"][i, 0] |= not alive
-        if self._with_state:
+        if self._state_shape is not None:
             parts["state"] = np.ravel(self.env.state()).astype(np.float32)
         return parts
 
     def _features(self, i: int, name: Any) -> NDArray[np.float32]:
-        seen = self._observed[name]
-        flat = np.ravel(seen["observation"] if isinstance(seen, dict) else seen)
         row = np.zeros(self._spaces["obs"].shape[1], np.float32)
-        row[: flat.size], row[i - len(self.names)] = flat, 1.0
+        row[i - len(self.names)] = 1.0
+        seen = self._observed.get(name)
+        if seen is not None:
+            flat = np.ravel(seen["observation"] if isinstance(seen, dict) else seen)
+            if flat.size != self._widths[name]:
+                raise ConfigError(
+                    f"agent {name!r} observes {flat.size} numbers, its space has {self._widths[name]}"
+                )
+            row[: flat.size] = flat
         return row
 
     def _mask(self, name: Any, info: dict[str, Any]) -> NDArray[Any]:
-        seen = self._observed[name]
+        seen, n = self._observed.get(name), int(self.actions[name].n)
         mask = seen.get("action_mask") if isinstance(seen, dict) else info.get("action_mask")
-        return np.ones(self.actions[name].n, np.int8) if mask is None else np.asarray(mask)
+        if mask is None:
+            return np.ones(n, np.int8)
+        if np.shape(mask) != (n,):
+            raise ConfigError(
+                f"the action_mask of agent {name!r} has the shape {np.shape(mask)}, expected {(n,)}"
+            )
+        return np.asarray(mask)
 
     def close(self) -> None:
         """Close the env inside."""
@@ -122,7 +157,34 @@ def _discrete(space: spaces.Space[Any]) -> spaces.Discrete:
     return space
 
 
-def _width(space: spaces.Space[Any]) -> int:
+def _width(name: Any, space: spaces.Space[Any], n_actions: int) -> int:
     """Numbers in an agent's observation, its mask apart."""
-    inner = space["observation"] if isinstance(space, spaces.Dict) else space
+    inner = space.spaces.get("observation") if isinstance(space, spaces.Dict) else space
+    if not isinstance(inner, _ARRAYS):
+        raise ConfigError(
+            f"JointActionEnv needs observations that are one array, or a Dict of 'observation' and 'action_mask';"
+            f" agent {name!r} has {shortened(str(space))}"
+        )
+    mask = space.spaces.get("action_mask") if isinstance(space, spaces.Dict) else None
+    if mask is not None and mask.shape != (n_actions,):
+        raise ConfigError(
+            f"the action_mask of agent {name!r} has the shape {mask.shape}, expected {(n_actions,)}"
+        )
     return int(np.prod(inner.shape or (1,)))
+
+
+def _state_shape(env: ParallelEnv[Any, Any, Any]) -> tuple[int, ...] | None:
+    """Shape of env.state() as one row; None where it has none, as many that wrap another kind of env."""
+    if type(env.unwrapped).state is ParallelEnv.state:
+        return None
+    env.reset()
+    try:
+        state = env.state()
+    except (NotImplementedError, AttributeError):
+        return None
+    flat = np.ravel(state)
+    if flat.dtype.kind not in "biuf":
+        raise ConfigError(
+            f"env.state() is no array of numbers but {type(state).__name__}: take privileged_state=False"
+        )
+    return flat.shape

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any, ClassVar
 
 import numpy as np
@@ -11,13 +12,14 @@ from pettingzoo import ParallelEnv
 
 from hexwar_sb3.engine.roster import SIDES, camp_name, parse_camp
 from hexwar_sb3.engine.world import load_world
-from hexwar_sb3.envs.settings import TaskSettings, task_settings
-from hexwar_sb3.envs.task_games import Obs, box_of, setup_of
-from hexwar_sb3.errors import UnknownNameError
+from hexwar_sb3.envs.settings import TaskSettings, check_choice, task_settings
+from hexwar_sb3.envs.task_games import Obs, box_of, check_pieces, fitting_mixture, setup_of
+from hexwar_sb3.errors import ConfigError, UnknownNameError
 from hexwar_sb3.play.arena import Arena
+from hexwar_sb3.play.fit import check_actions
 from hexwar_sb3.play.look import Sight
-from hexwar_sb3.play.player import Seat, make_mixture
-from hexwar_sb3.play.seeds import check_seed, game_seed
+from hexwar_sb3.play.player import Seat
+from hexwar_sb3.play.seeds import check_seed, chosen_seed, game_seed
 from hexwar_sb3.rules.enums import Camp
 from hexwar_sb3.tasks.records import MAX_TASKS
 
@@ -28,6 +30,8 @@ class TaskParallelEnv(ParallelEnv[str, Obs, int]):  # type: ignore[misc]  # Pett
     """One agent a piece, "red:tank0"; its action is a task index of its own task set.
 
     Every agent of a camp gets the camp's reward, eq. (3). Agents leave when their piece is destroyed.
+    The reward is the referee's margin, so it tells of hits on enemies that the camp does not see; the observations
+    tell nothing of them.
 
     Args:
         settings: the env's settings; `side` stands for itself, `opponent` for the camp not played.
@@ -38,11 +42,12 @@ class TaskParallelEnv(ParallelEnv[str, Obs, int]):  # type: ignore[misc]  # Pett
     render_mode = None
 
     def __init__(self, settings: TaskSettings, camps: str = "both") -> None:
-        if camps not in CAMPS:
-            raise UnknownNameError("camps", camps, CAMPS)
+        check_choice("camps", camps, CAMPS)
         self.camps = SIDES if camps == "both" else (parse_camp(camps),)
-        self.mixture = make_mixture(settings.opponent)
         world = load_world(settings.scenario)
+        check_pieces(world)
+        rivals = [camp for camp in SIDES if camp not in self.camps]
+        self.mixture = fitting_mixture(settings.opponent, world, rivals)
         self.arena, self._net = Arena(world, 1, setup_of(settings)), settings.reward == "net"
         self.sights = {
             camp: Sight(world, camp, 1, dtype=settings.dtype, with_state=True) for camp in self.camps
@@ -54,7 +59,7 @@ class TaskParallelEnv(ParallelEnv[str, Obs, int]):  # type: ignore[misc]  # Pett
         self._places = {agent: self._place(agent) for agent in self.possible_agents}
         self._action_spaces = {agent: spaces.Discrete(MAX_TASKS) for agent in self.possible_agents}
         self._observation_spaces = {agent: self._space(agent) for agent in self.possible_agents}
-        self._seed, self._episode = 0, 0
+        self._seed, self._episode = chosen_seed(None), 0
 
     def observation_space(self, agent: str) -> spaces.Dict:
         """The piece's own features, its task rows and their mask."""
@@ -67,7 +72,7 @@ class TaskParallelEnv(ParallelEnv[str, Obs, int]):  # type: ignore[misc]  # Pett
     def reset(
         self, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[dict[str, Obs], dict[str, dict[str, Any]]]:
-        """Start the next episode; with a seed, the first one of that seed."""
+        """Start the next episode; with a seed, the first one of that seed. A new env draws one."""
         if seed is not None:
             self._seed, self._episode = check_seed(seed), 0
         self.arena.begin(0, game_seed(self._seed, self._episode), *self._seats())
@@ -79,10 +84,20 @@ class TaskParallelEnv(ParallelEnv[str, Obs, int]):  # type: ignore[misc]  # Pett
     def step(
         self, actions: dict[str, int]
     ) -> tuple[dict[str, Obs], dict[str, float], dict[str, bool], dict[str, bool], dict[str, dict[str, Any]]]:
-        """Play one decision; an agent without an action, or with an illegal one, stops."""
+        """Play one decision; an agent without an action, or with an illegal one, stops.
+
+        Actions of agents that have left are not looked at.
+
+        Raises:
+            UnknownNameError: no such agent.
+            ConfigError: an action is no whole number, or no game has begun.
+        """
+        if not self._episode:
+            raise ConfigError("no game has begun: reset the env before the first step")
+        picked = {agent: _whole(agent, action) for agent, action in self._known(actions)}
         before, tick = self._scores(), int(self.arena.state.games.tick[0])
         for camp in self.camps:
-            self._choose(camp, actions)
+            self._choose(camp, picked)
         self._advance()
         self._look()
         gain = {camp: after - before[camp] for camp, after in self._scores().items()}
@@ -113,6 +128,14 @@ class TaskParallelEnv(ParallelEnv[str, Obs, int]):  # type: ignore[misc]  # Pett
         other = self.mixture.players[self.mixture.draw(self._seed, self._episode)]
         red, blue = (None if camp in self.camps else other for camp in SIDES)
         return red, blue
+
+    def _known(self, actions: dict[str, int]) -> Iterator[tuple[str, int]]:
+        """Actions of agents that are still there."""
+        for agent, action in actions.items():
+            if agent not in self._places:
+                raise UnknownNameError("agent", str(agent), self._places)
+            if agent in self.agents:
+                yield agent, action
 
     def _choose(self, camp: Camp, actions: dict[str, int]) -> None:
         row = np.zeros((1, self.sights[camp].rows.shape[1]), np.int64)
@@ -163,6 +186,13 @@ class TaskParallelEnv(ParallelEnv[str, Obs, int]):  # type: ignore[misc]  # Pett
 
     def _space(self, agent: str) -> spaces.Dict:
         return spaces.Dict({key: box_of(key, value) for key, value in self._observe(agent).items()})
+
+
+def _whole(agent: str, action: object) -> int:
+    try:
+        return int(check_actions(action, (), axes=""))
+    except ConfigError as error:
+        raise ConfigError(f"agent {agent!r}: {error}") from error
 
 
 def parallel_env(scenario: Any = "plain", camps: str = "both", **settings: Any) -> TaskParallelEnv:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import secrets
 from dataclasses import dataclass
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
@@ -14,7 +13,6 @@ from hexwar_sb3.errors import UnknownNameError
 if TYPE_CHECKING:
     from stable_baselines3.common.vec_env import VecEnv, VecMonitor
 
-SEEDS = 1_000_000  # that are drawn from where None is given
 TASK_ENV, ROUTE_ENV, FLAT_ENV = "HexWarTask-v0", "HexWarRoute-v0", "HexWarFlat-v0"
 
 
@@ -32,7 +30,7 @@ class EnvKind:
         """Gymnasium's."""
         return f"hexwar_sb3.envs.{self.module}_env:{self.name}Env"
 
-    def make(self, n_envs: int, settings: dict[str, Any], seed: int) -> VecEnv:
+    def make(self, n_envs: int, settings: dict[str, Any], seed: int | None) -> VecEnv:
         """Make the native VecEnv."""
         envs = import_module(f"hexwar_sb3.envs.{self.module}_vec_env")
         checked = getattr(import_module(f"hexwar_sb3.envs.{self.settings}"), f"{self.module}_settings")
@@ -55,19 +53,22 @@ def register_envs() -> None:
 
 
 def make_vec_env(
-    env_id: str = TASK_ENV, n_envs: int = 1, seed: int | None = 0, **settings: Any
+    env_id: str = TASK_ENV, n_envs: int = 1, seed: int | None = None, **settings: Any
 ) -> VecMonitor:
     """Make the native VecEnv of an id, monitored.
+
+    Rewards are gains of the referee's margin, so they tell of hits on enemies that the camp does not see.
 
     Args:
         env_id: "HexWarTask-v0", "HexWarRoute-v0" or "HexWarFlat-v0".
         n_envs: games that are stepped together.
-        seed: of the episodes; episode k is the same game with any `n_envs`. None draws one.
+        seed: of the episodes; episode k of a seed is the same game with any `n_envs`. None draws one.
         settings: of the env, see `TaskSettings`, `RouteSettings`.
 
     Raises:
         UnknownNameError: no such env, scenario, opponent or choice.
-        ConfigError: a setting is out of its range.
+        UnknownSettingError: no such setting.
+        ConfigError: a setting is out of its range, or a player does not fit the scenario.
 
     Example:
         >>> env = make_vec_env("HexWarTask-v0", n_envs=16, opponent=[("MA1", 2), ("MA2", 1)])
@@ -75,9 +76,7 @@ def make_vec_env(
     # numba and torch: only where they are needed, `import hexwar_sb3` registers without them
     from stable_baselines3.common.vec_env import VecMonitor
 
-    if env_id not in ENVS:
-        raise UnknownNameError("env", env_id, ENVS)
-    if seed is None:
-        seed = secrets.randbelow(SEEDS)
+    if str(env_id) not in ENVS:
+        raise UnknownNameError("env", str(env_id), ENVS)
     kind = ENVS[env_id]
     return VecMonitor(kind.make(n_envs, settings, seed), info_keywords=kind.outcome)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from hexwar_sb3.envs.route_settings import route_settings
 from hexwar_sb3.envs.route_vec_env import Obs, RouteVecEnv, route_spaces
-from hexwar_sb3.errors import UnknownNameError
+from hexwar_sb3.envs.settings import check_choice
 
 
 class RouteEnv(gymnasium.Env[Obs, np.int64]):
@@ -20,13 +20,16 @@ class RouteEnv(gymnasium.Env[Obs, np.int64]):
     place) is `terminated`; another task, an impossible one, the piece's loss and the end of the game are
     `truncated` (a loss costs what it costs the camp; were it an end, it would save the rest of the way). The next episode is the next piece's route in the same game, or begins a new game.
     An invalid direction stands for staying.
+    The reward is the referee's margin, so it tells of hits on enemies that the camp does not see; the observations
+    tell nothing of them.
 
     Args:
         render_mode: "rgb_array": `render` draws what the learner's camp knows; None: it does not.
         settings: fields of `RouteSettings`; one scenario.
 
     Raises:
-        UnknownNameError: no such setting or choice.
+        UnknownNameError: no such choice.
+        UnknownSettingError: no such setting.
         ConfigError: a setting is out of its range.
 
     Example:
@@ -37,28 +40,29 @@ class RouteEnv(gymnasium.Env[Obs, np.int64]):
     metadata: dict[str, Any] = {"render_modes": ["rgb_array"], "render_fps": 4}  # noqa: RUF012  (Gymnasium declares it so)
 
     def __init__(self, render_mode: str | None = None, **settings: Any) -> None:
-        if render_mode is not None and render_mode not in self.metadata["render_modes"]:
-            raise UnknownNameError("render_mode", render_mode, self.metadata["render_modes"])
+        if render_mode is not None:
+            check_choice("render_mode", render_mode, self.metadata["render_modes"])
         self.render_mode = render_mode
         self.settings = route_settings(settings)
         self.venv = RouteVecEnv(1, self.settings)
         self.observation_space, self.action_space = route_spaces()  # type: ignore[assignment]
         self._next: Obs | None = None  # first observation of the next route of this game
+        super().reset(seed=self.venv.first_seed)
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Obs, dict[str, Any]]:
-        """Start the next route; with a seed, or in the middle of one, a new game."""
-        super().reset(seed=seed)
+        """Start the next route; with a seed, or in the middle of one, a new game. A new env draws a seed."""
         if seed is not None:
             self.venv.seed(seed)
             self._next = None
+        super().reset(seed=seed)
         obs, self._next = self._next or _first(self.venv.reset()), None
         return obs, {}
 
     def step(self, action: np.int64) -> tuple[Obs, float, bool, bool, dict[str, Any]]:
         """Give the focal piece one answer: 0 stay and perform, or 1 + a direction in the camp's frame."""
-        observed, rewards, dones, infos = self.venv.step(np.array([action]))
+        observed, rewards, dones, infos = self.venv.step(cast("NDArray[Any]", [action]))
         obs = cast("Obs", observed)
         info = infos[0]
         self._next = _first(obs) if dones[0] else None

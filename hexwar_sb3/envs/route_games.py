@@ -14,15 +14,17 @@ from numpy.typing import NDArray
 from hexwar_sb3.engine.fields import check_all, check_form, check_names, check_range
 from hexwar_sb3.engine.pieces import on_map
 from hexwar_sb3.engine.records import NEVER, NO_CELL, NO_PIECE
+from hexwar_sb3.engine.roster import parse_camp
 from hexwar_sb3.envs.route_settings import RANDOM_UPPER, Field, RouteSettings
-from hexwar_sb3.envs.task_games import TaskGames
+from hexwar_sb3.envs.task_games import CAMPS_OF, TaskGames
 from hexwar_sb3.errors import ConfigError
 from hexwar_sb3.kernels import Rows
 from hexwar_sb3.maps.geometry import cells_apart
 from hexwar_sb3.play.arena import Games, Snapshot
+from hexwar_sb3.play.fit import check_fit, check_tasks
 from hexwar_sb3.play.lower import asks
 from hexwar_sb3.play.lower_policy import FrozenLower, Lower
-from hexwar_sb3.play.player import BotPlayer, Player, make_player
+from hexwar_sb3.play.player import BotPlayer, Player, given_name, make_player
 from hexwar_sb3.play.seeds import rng_array, rng_state
 from hexwar_sb3.rules.enums import Camp
 from hexwar_sb3.tasks.choose import assign
@@ -88,12 +90,12 @@ class RouteGames:
         seed: of the episodes.
     """
 
-    def __init__(self, n_games: int, settings: RouteSettings, scenario: Field, seed: int = 0) -> None:
+    def __init__(self, n_games: int, settings: RouteSettings, scenario: Field, seed: int) -> None:
         self.settings, self.n_games = settings, n_games
         self.tasks = TaskGames(n_games, settings.task_settings(scenario), seed)
         check_leader(self.tasks.lower)
-        self.upper = _make_upper(settings.upper)
         self.arena, self.all = self.tasks.arena, self.tasks.all
+        self.set_upper(settings.upper)
         self.focus = Focus.none(n_games)
         self._idle = np.zeros(n_games, np.bool_)  # nobody had a way to go in a whole game
         self._passable = np.flatnonzero(self.arena.world.cells.passable == 1)
@@ -107,8 +109,16 @@ class RouteGames:
         self.focus.turn[:] = -1
 
     def set_upper(self, upper: object) -> None:
-        """Let another policy give the tasks, from the next decision on."""
-        self.upper = _make_upper(upper)
+        """Let another policy give the tasks, from the next decision on.
+
+        Raises:
+            ConfigError: it is for other pieces, tasks or features; the one of before stays.
+        """
+        made = _make_upper(upper)
+        if made is not None:
+            for side in CAMPS_OF[self.settings.side]:
+                check_fit(made, self.arena.world, parse_camp(side), given_name(upper))
+        self.upper = made
 
     def begin(self, which: Games) -> None:
         """Start new games in these slots, and the first route of each."""
@@ -125,6 +135,9 @@ class RouteGames:
 
         Returns:
             Ticks that were played until then, of every game [n].
+
+        Raises:
+            ConfigError: none of the camp's pieces can leave its cell at the start.
         """
         waited, ticks = np.zeros(self.n_games, np.int64), self.arena.state.games.tick
         whole = np.zeros(self.n_games, np.bool_)  # the game was waited for from its beginning
@@ -142,16 +155,29 @@ class RouteGames:
                 self.tasks.begin(which[over])
                 self.focus.piece[which[over]] = NO_FOCUS
                 self._idle[which[over]] = whole[which[over]]
+                self._check_ways(which[over & whole[which]])
                 whole[which[over]] = True
             self.decide(which[over | due])
             which = which[~self._starts(which)]
         self._idle[:] = False
         return waited
 
+    def _check_ways(self, which: Games) -> None:
+        """Check in these games, at their start, that somebody can leave his cell: nobody waits for those who never can."""
+        if not which.size:
+            return
+        pieces = self._own_pieces(which)
+        _, masks = self.arena.look_routes(which.repeat(pieces.shape[1]), pieces.ravel(), ways=False)
+        if not masks[:, STAY + 1 :].any():
+            name = self.arena.world.scenario.name
+            raise ConfigError(f"scenario {name!r}: no piece of the learner's camp has a way out of its cell")
+
     def play(self, answers: NDArray[np.int64]) -> Hop:
         """Give each focal piece its answer [n], and play on until it asks again or its route is over: eq. (5)."""
+        self.tasks.check_begun()
         hop = self._new_hop()
-        answers = np.where(self.mask[self.all, answers % N_ANSWERS] != 0, answers % N_ANSWERS, STAY)
+        known = np.where((answers >= 0) & (answers < N_ANSWERS), answers, STAY)
+        answers = np.where(self.mask[self.all, known] != 0, known, STAY)
         before, start = self.tasks.scores(), self.arena.state.games.tick.astype(np.int64)
         goals = self.arena.plans.goal[self.all, self.focus.piece]
         hop.finished[:] = (answers == STAY) & (goals == self._pieces.cell[self.all, self.focus.piece])
@@ -192,7 +218,10 @@ class RouteGames:
         before = self.arena.plans[at].copy().view(np.recarray)
         obs = {key: value[which] for key, value in self.tasks.look(which).items()}
         mask = obs["action_mask"] != 0
-        wanted = self._random_tasks(mask) if self.upper is None else np.asarray(self.upper.act(obs))
+        if self.upper is None:
+            wanted = self._random_tasks(mask)
+        else:
+            wanted = check_tasks(self.upper.act(obs), mask.shape[:2])
         self.arena.choose(which, which, self.tasks.camps[which], wanted, self.tasks.sight)
         kept = self.rng.random(pieces.shape) < self.settings.keep_task
         kept |= (pieces == self.focus.piece[which, None]) & (

@@ -17,6 +17,9 @@ from hexwar_sb3.envs.settings import (
     SIDES,
     TaskSettings,
     check_choice,
+    check_flag,
+    check_number,
+    check_scenario,
     check_share,
     checked_settings,
 )
@@ -74,6 +77,8 @@ class RouteSettings:
             ConfigError: a setting is out of its range.
             UnknownNameError: a choice that does not exist.
         """
+        for field in self.fields:
+            check_scenario(field)
         check_choice("side", self.side, SIDES)
         check_choice("reward", self.reward, REWARDS)
         check_choice("decisions", self.decisions, DECISIONS)
@@ -83,17 +88,19 @@ class RouteSettings:
         check_whole("decision_ticks", self.decision_ticks, least=1)
         check_whole("spots", self.spots, least=0)
         check_share("shaping", self.shaping)
-        if not self.gain_limit > 0.0:
+        if not check_number("gain_limit", self.gain_limit) > 0.0:
             raise ConfigError(f"gain_limit must be above 0 points, got {self.gain_limit!r}")
         check_alpha_beta(self.alpha, self.beta)
+        check_flag("ways", self.ways)
+        check_flag("fog", self.fog)
         if not self.fields:
             raise ConfigError("name at least one scenario")
 
     @property
     def fields(self) -> tuple[Field, ...]:
         """The scenarios, one or more."""
-        one = isinstance(self.scenario, str | Path | Scenario)
-        return (self.scenario,) if one else tuple(self.scenario)  # type: ignore[arg-type, return-value]
+        several = isinstance(self.scenario, list | tuple)
+        return tuple(self.scenario) if several else (self.scenario,)  # type: ignore[arg-type, return-value]
 
     def potential(self, hops: NDArray[np.float64]) -> NDArray[np.float64]:
         """What the fastest way is worth by eq. (5) alone: its end brings 1, each base hop costs beta [n].
@@ -137,9 +144,8 @@ def check_alpha_beta(alpha: float, beta: float) -> None:
     Raises:
         ConfigError: one is out of its range.
     """
-    for name, value in (("alpha", alpha), ("beta", beta)):
-        if isinstance(value, bool) or not isinstance(value, int | float):
-            raise ConfigError(f"{name} must be a number, got {value!r}")
+    check_number("alpha", alpha)
+    check_number("beta", beta)
     if not 0.0 <= alpha < float("inf"):
         raise ConfigError(f"alpha must be finite and at least 0 by eq. (5), got {alpha!r}")
     if not 0.0 <= beta < 1.0:
@@ -150,6 +156,6 @@ def route_settings(settings: dict[str, Any]) -> RouteSettings:
     """Settings from keywords.
 
     Raises:
-        UnknownNameError: no such setting.
+        UnknownSettingError: no such setting.
     """
     return checked_settings(RouteSettings, settings)

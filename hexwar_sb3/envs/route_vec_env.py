@@ -15,9 +15,10 @@ from hexwar_sb3.engine.fields import refuse
 from hexwar_sb3.envs.native_vec_env import NativeVecEnv
 from hexwar_sb3.envs.route_games import Hop, RouteGames, check_leader
 from hexwar_sb3.envs.route_settings import RouteSettings
-from hexwar_sb3.errors import ConfigError
 from hexwar_sb3.play.arena import Snapshot
+from hexwar_sb3.play.fit import check_actions
 from hexwar_sb3.play.lower_policy import make_lower
+from hexwar_sb3.play.seeds import chosen_seed
 from hexwar_sb3.tasks.features import BOUND, ROUTE_WIDTH
 from hexwar_sb3.tasks.route import N_ANSWERS
 
@@ -39,15 +40,15 @@ class RouteVecEnv(NativeVecEnv):
     Args:
         n_envs: games.
         settings: the env's settings.
-        seed: of the games.
+        seed: of the games; None draws one.
     """
 
-    def __init__(self, n_envs: int, settings: RouteSettings, seed: int = 0) -> None:
+    def __init__(self, n_envs: int, settings: RouteSettings, seed: int | None = None) -> None:
         check_whole("n_envs", n_envs, least=len(settings.fields))
-        self.settings = settings
+        self.settings, self.first_seed = settings, chosen_seed(seed)
         shares = np.diff(np.linspace(0, n_envs, len(settings.fields) + 1).astype(int))
         self.fields = [
-            RouteGames(int(n), settings, scenario, seed)
+            RouteGames(int(n), settings, scenario, self.first_seed)
             for n, scenario in zip(shares, settings.fields, strict=True)
         ]
         ends = np.cumsum(shares)
@@ -62,7 +63,7 @@ class RouteVecEnv(NativeVecEnv):
 
     def step_wait(self) -> VecEnvStepReturn:
         """Give every focal piece its answer, and play until it asks again or its route is over."""
-        answers = check_answers(self._actions, self.num_envs)
+        answers = check_actions(self._actions, (self.num_envs,), axes="")
         hops = [games.play(answers[part]) for games, part in zip(self.fields, self._slices, strict=True)]
         waited = [games.next_route(games.all[hop.over]) for games, hop in zip(self.fields, hops, strict=True)]
         infos = [
@@ -89,11 +90,11 @@ class RouteVecEnv(NativeVecEnv):
         return np.concatenate([games.mask for games in self.fields]).astype(np.bool_)
 
     def seed(self, seed: int | None = None) -> Sequence[int | None]:
-        """Count games from 0 again under this seed; takes effect at the next reset."""
-        if seed is not None:
-            for games in self.fields:
-                games.seed(seed)
-        return [seed] * self.num_envs
+        """Count games from 0 again under this seed, or a drawn one; takes effect at the next reset."""
+        self.first_seed = chosen_seed(seed)
+        for games in self.fields:
+            games.seed(self.first_seed)
+        return [self.first_seed] * self.num_envs
 
     def set_upper(self, upper: object) -> None:
         """Let another policy give the tasks, from the next decision on."""
@@ -132,18 +133,6 @@ class RouteVecEnv(NativeVecEnv):
         for games, part in zip(self.fields, parts, strict=True):
             games.restore(part)
         return self._look()
-
-
-def check_answers(answers: Any, n: int) -> NDArray[np.int64]:
-    """Answers [n] as whole numbers.
-
-    Raises:
-        ConfigError: they are none, or of another shape.
-    """
-    found = np.asarray(answers)
-    if found.shape != (n,) or found.dtype.kind not in "iu":
-        raise ConfigError(f"actions must be whole numbers of shape ({n},), got {found.dtype} {found.shape}")
-    return found.astype(np.int64)
 
 
 def _info(hop: Hop, b: int, waited: int) -> dict[str, Any]:

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, fields
+from numbers import Real
 from pathlib import Path
 from typing import Any, TypeVar
 
+import numpy as np
+
 from hexwar_sb3.checks import check_whole
-from hexwar_sb3.errors import ConfigError, UnknownNameError
+from hexwar_sb3.errors import ConfigError, UnknownNameError, UnknownSettingError, shortened
 from hexwar_sb3.maps.scenario import Scenario
 from hexwar_sb3.play.records import DECISION_TICKS
 from hexwar_sb3.tasks.spots import SPOTS
@@ -45,6 +49,7 @@ class TaskSettings:
             ConfigError: a setting is out of its range.
             UnknownNameError: a choice that does not exist.
         """
+        check_scenario(self.scenario)
         check_choice("side", self.side, SIDES)
         check_choice("reward", self.reward, REWARDS)
         check_choice("decisions", self.decisions, DECISIONS)
@@ -53,6 +58,8 @@ class TaskSettings:
         check_share("demo_share", self.demo_share)
         check_whole("decision_ticks", self.decision_ticks, least=1)
         check_whole("spots", self.spots, least=0)
+        check_flag("fog", self.fog)
+        check_flag("privileged_state", self.privileged_state)
         if self.demo_share > 0 and self.demo_bot is None:
             raise ConfigError("demo_share needs a demo_bot, for example demo_bot='MA1'")
         if self.demo_bot is not None and self.decision_ticks == 1:
@@ -63,7 +70,7 @@ def task_settings(settings: dict[str, Any]) -> TaskSettings:
     """Settings from keywords.
 
     Raises:
-        UnknownNameError: no such setting.
+        UnknownSettingError: no such setting.
     """
     return checked_settings(TaskSettings, settings)
 
@@ -72,31 +79,63 @@ def checked_settings(kind: type[Settings], settings: dict[str, Any]) -> Settings
     """Settings of a kind from keywords.
 
     Raises:
-        UnknownNameError: it has no such setting.
+        UnknownSettingError: it has no such setting.
     """
     known = [field.name for field in fields(kind)]  # type: ignore[arg-type]  # every kind is a dataclass
     for name in settings:
         if name not in known:
-            raise UnknownNameError("setting", name, known)
+            raise UnknownSettingError("setting", name, known)
     return kind(**settings)
 
 
-def check_choice(setting: str, value: str, choices: tuple[str, ...]) -> None:
+def check_scenario(scenario: object) -> None:
+    """Check the kind of a scenario; whether it exists is seen when it is loaded.
+
+    Raises:
+        ConfigError: it is neither a name, a file nor an object.
+    """
+    if not isinstance(scenario, str | Path | Scenario):
+        raise ConfigError(f"scenario is a name, a file or a Scenario, got {shortened(repr(scenario))}")
+
+
+def check_choice(setting: str, value: object, choices: Iterable[str]) -> None:
     """Check a choice by name.
 
     Raises:
         UnknownNameError: it does not exist.
     """
-    if value not in choices:
+    if not isinstance(value, str) or value not in choices:
         raise UnknownNameError(setting, str(value), choices)
 
 
-def check_share(setting: str, value: float) -> float:
+def check_flag(setting: str, value: object) -> None:
+    """Check a setting that is on or off.
+
+    Raises:
+        ConfigError: it is neither True nor False; a text such as "false" would count as True.
+    """
+    if not isinstance(value, bool | np.bool_):
+        raise ConfigError(f"{setting} must be True or False, got {shortened(repr(value))}")
+
+
+def check_number(setting: str, value: object) -> float:
+    """Return a number.
+
+    Raises:
+        ConfigError: it is none.
+    """
+    if isinstance(value, bool | np.bool_) or not isinstance(value, Real):
+        raise ConfigError(f"{setting} must be a number, got {shortened(repr(value))}")
+    return float(value)
+
+
+def check_share(setting: str, value: object) -> float:
     """Return a share of episodes.
 
     Raises:
         ConfigError: it is not in 0..1.
     """
-    if not 0.0 <= value <= 1.0:
+    share = check_number(setting, value)
+    if not 0.0 <= share <= 1.0:
         raise ConfigError(f"{setting} must be in 0..1, got {value!r}")
-    return float(value)
+    return share

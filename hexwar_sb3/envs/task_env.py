@@ -9,21 +9,24 @@ import numpy as np
 from gymnasium import spaces
 from numpy.typing import NDArray
 
-from hexwar_sb3.envs.settings import task_settings
+from hexwar_sb3.envs.settings import check_choice, task_settings
 from hexwar_sb3.envs.task_games import Obs, TaskGames, action_space, observation_space
-from hexwar_sb3.errors import UnknownNameError
 from hexwar_sb3.play.lower_policy import Lower
 
 
 class TaskEnv(gymnasium.Env[Obs, NDArray[np.int64]]):
     """A batch of one game; the settings are those of `TaskSettings`, by keyword.
 
+    The reward is the referee's margin, so it tells of hits on enemies that the camp does not see; the observations
+    tell nothing of them.
+
     Args:
         render_mode: "rgb_array": `render` draws what the learner's camp knows; None: it does not.
         settings: fields of `TaskSettings`.
 
     Raises:
-        UnknownNameError: no such setting or choice.
+        UnknownNameError: no such choice.
+        UnknownSettingError: no such setting.
         ConfigError: a setting is out of its range.
 
     Example:
@@ -34,26 +37,27 @@ class TaskEnv(gymnasium.Env[Obs, NDArray[np.int64]]):
     metadata: dict[str, Any] = {"render_modes": ["rgb_array"], "render_fps": 4}  # noqa: RUF012  (Gymnasium declares it so)
 
     def __init__(self, render_mode: str | None = None, **settings: Any) -> None:
-        if render_mode is not None and render_mode not in self.metadata["render_modes"]:
-            raise UnknownNameError("render_mode", render_mode, self.metadata["render_modes"])
+        if render_mode is not None:
+            check_choice("render_mode", render_mode, self.metadata["render_modes"])
         self.render_mode = render_mode
         self.games = TaskGames(1, task_settings(settings))
         self.observation_space = cast("spaces.Space[Obs]", observation_space(self.games.sight))
         self.action_space = action_space(self.games.sight)
+        super().reset(seed=self.games.first_seed)
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Obs, dict[str, Any]]:
-        """Start the next episode; with a seed, the first one of that seed."""
-        super().reset(seed=seed)
+        """Start the next episode; with a seed, the first one of that seed. A new env draws one."""
         if seed is not None:
             self.games.seed(seed)
+        super().reset(seed=seed)
         self.games.begin(self.games.all)
         return self._observe(), {}
 
     def step(self, action: NDArray[np.int64]) -> tuple[Obs, float, bool, bool, dict[str, Any]]:
         """Play one decision (Delta-t ticks) with a task index per piece; the last tick is the end."""
-        span = self.games.play(np.asarray(action)[None])
+        span = self.games.play([action])
         over = bool(span.over[0])
         obs = self._observe()
         info: dict[str, Any] = {"ticks": int(span.ticks[0]), "illegal_actions": int(span.illegal[0])}

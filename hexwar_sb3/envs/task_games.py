@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
@@ -13,19 +14,20 @@ from hexwar_sb3.bots.config import bots_hash
 from hexwar_sb3.bots.registry import BOTS
 from hexwar_sb3.checks import check_whole
 from hexwar_sb3.engine.fields import check_all, check_form, check_names, check_range, refuse
-from hexwar_sb3.engine.roster import camp_name, enemy_of, parse_camp
+from hexwar_sb3.engine.roster import SIDES, camp_name, enemy_of, parse_camp
 from hexwar_sb3.engine.state import State
-from hexwar_sb3.engine.world import load_world
+from hexwar_sb3.engine.world import World, load_world
 from hexwar_sb3.envs.settings import TaskSettings
 from hexwar_sb3.errors import ConfigError, shortened
 from hexwar_sb3.kernels import Rows
-from hexwar_sb3.play.arena import Arena, Games, Setup, Snapshot, check_actions
+from hexwar_sb3.play.arena import Arena, Games, Setup, Snapshot
+from hexwar_sb3.play.fit import check_actions, check_fit
 from hexwar_sb3.play.look import Sight
 from hexwar_sb3.play.lower import KEPT
 from hexwar_sb3.play.lower_policy import make_lower
-from hexwar_sb3.play.player import BotPlayer, Seat, make_mixture, make_player
+from hexwar_sb3.play.player import BotPlayer, Mixture, Seat, make_mixture, make_player
 from hexwar_sb3.play.records import EXTERNAL
-from hexwar_sb3.play.seeds import check_seed, episode_draw, game_seed, seed_array, seed_of
+from hexwar_sb3.play.seeds import MOST_SEED, chosen_seed, episode_draw, game_seed
 from hexwar_sb3.play.warm import WARM_TICKS, send_out
 from hexwar_sb3.rules.enums import Camp
 from hexwar_sb3.tasks.features import BOUND, index
@@ -33,6 +35,7 @@ from hexwar_sb3.tasks.records import MAX_TASKS
 
 Obs = dict[str, NDArray[Any]]
 
+CAMPS_OF = {"red": ("red",), "blue": ("blue",), "both": ("red", "blue")}  # that a side stands for
 _UNDER_WAY = index("row", 1, 1, 1)["task: under way"].start  # column of a task row
 
 MOST_EPISODES = 2**62  # far below the end of int64
@@ -60,14 +63,15 @@ class TaskGames:
 
     keeps_answers = False  # the learner gives directions beside its tasks
 
-    def __init__(self, n_games: int, settings: TaskSettings, seed: int = 0) -> None:
+    def __init__(self, n_games: int, settings: TaskSettings, seed: int | None = None) -> None:
         check_whole("n_envs", n_games, least=1)
         self.settings, self.n_games = settings, n_games
-        self.mixture = make_mixture(settings.opponent)
         self.lower = make_lower(settings.lower)
-        self.demo_bot = None if settings.demo_bot is None else make_player(settings.demo_bot)
+        self.demo_bot = _demo_bot(settings.demo_bot)
         self.demo_share, self.warm_start = settings.demo_share, settings.warm_start
         self.arena = Arena(load_world(settings.scenario), n_games, setup_of(settings))
+        check_pieces(self.arena.world)
+        self.mixture = fitting_mixture(settings.opponent, self.arena.world, self._rival_camps)
         self.all = np.arange(n_games)
         self.camps = np.zeros(n_games, np.int64)  # the learner's [n]
         self.episodes = np.full(n_games, -1)  # number of the episode in each slot [n]
@@ -77,9 +81,14 @@ class TaskGames:
         self._sights = self._new_sight(), self._new_sight()
         self.seed(seed)
 
-    def seed(self, seed: int) -> None:
-        """Count episodes from 0 again, under another seed."""
-        self._seed, self._next_episode, self._turn = check_seed(seed), 0, 0
+    def seed(self, seed: int | None) -> None:
+        """Count episodes from 0 again, under another seed; None draws one."""
+        self._seed, self._next_episode, self._turn = chosen_seed(seed), 0, 0
+
+    @property
+    def first_seed(self) -> int:
+        """The seed of the episodes, as it was given or drawn."""
+        return self._seed
 
     @property
     def sight(self) -> Sight:
@@ -111,8 +120,11 @@ class TaskGames:
         """Draw the opponents of the next episodes from another mixture; running games end as they began.
 
         A snapshot names opponents by their place in the mixture: to restore one, give those that play their places.
+
+        Raises:
+            ConfigError: one of them is for other pieces, tasks or features; those of before stay.
         """
-        self.mixture = make_mixture(opponent)
+        self.mixture = fitting_mixture(opponent, self.arena.world, self._rival_camps)
 
     def _lead(self, b: int) -> None:
         """Say who answers for the learner's pieces on their way; a demo bot leads its own."""
@@ -128,22 +140,32 @@ class TaskGames:
         """Let the other set of buffers be the present one."""
         self._turn = 1 - self._turn
 
-    def play(self, actions: NDArray[Any]) -> Span:
+    def check_begun(self) -> None:
+        """Check that every slot has a game.
+
+        Raises:
+            ConfigError: some have none.
+        """
+        if (self.episodes < 0).any():
+            raise ConfigError("no game has begun: reset the env before the first step")
+
+    def play(self, actions: object) -> Span:
         """Play one decision: give the tasks, advance to the learner's next decision or the end.
 
-        The reward is the margin's gain, eq. (3).
+        The reward is the gain of the referee's margin, eq. (3), whoever sees why.
 
         Args:
             actions: task indices [n, N].
 
         Raises:
-            ConfigError: they are no whole numbers, or of another shape.
+            ConfigError: they are no whole numbers, or of another shape; or no game has begun.
         """
-        check_actions(actions, self.sight.rows.shape[:2])
+        self.check_begun()
+        picked = check_actions(actions, self.sight.rows.shape[:2])
         before, start = self.scores(), self.arena.state.games.tick.astype(np.int64)
         shown, learns = self.all[self.demos], self.all[~self.demos]
         illegal = np.zeros(self.n_games, np.int64)
-        illegal[learns] = self.arena.choose(learns, learns, self.camps[learns], actions[learns], self.sight)
+        illegal[learns] = self.arena.choose(learns, learns, self.camps[learns], picked[learns], self.sight)
         demo = self._show(shown)
         self._advance(self.all)
         return Span(
@@ -177,8 +199,8 @@ class TaskGames:
     def snapshot(self) -> Snapshot:
         """Everything that changes in play, as arrays without objects."""
         slots = {name: array.copy() for name, array in self._slots().items()}
-        counters = {"seed": seed_array(self._seed), "next_episode": np.array(self._next_episode)}
-        return {**self.arena.snapshot(), **slots, **counters, "origin": self._origin()}
+        counters = np.array([self._seed, self._next_episode], np.int64)
+        return {**self.arena.snapshot(), **slots, "counters": counters, "origin": self._origin()}
 
     def restore(self, snapshot: Snapshot, waiting: NDArray[np.uint32] | None = None) -> Obs:
         """Go on where `snapshot` was taken, in an env of the same settings; the observation there.
@@ -194,8 +216,7 @@ class TaskGames:
         _, _, drives = self.check(snapshot, waiting)
         for name, array in self._slots().items():
             array[...] = snapshot[name]
-        self._seed = seed_of(snapshot["seed"], "seed")
-        self._next_episode = int(snapshot["next_episode"])
+        self._seed, self._next_episode = snapshot["counters"].tolist()
         for b in self.all:
             self.rivals[b] = self._rival(self.opponents[b], drives.seat[b, 1 - self.camps[b]])
             for camp, seat in enumerate(self._seats(int(b))):
@@ -223,12 +244,12 @@ class TaskGames:
         """
         self._check_origin(snapshot)
         names, slots = set(self.arena.snapshot()), self._slots()
-        check_names(snapshot, [*names, *slots, "seed", "next_episode", "origin"])
+        check_names(snapshot, [*names, *slots, "counters", "origin"])
         for name, array in slots.items():
             check_form(name, snapshot[name], array.dtype, array.shape)
-        seed_of(snapshot["seed"], "seed")
-        check_form("next_episode", snapshot["next_episode"], np.int64, ())
-        check_range("next_episode", snapshot["next_episode"], 0, MOST_EPISODES)
+        check_form("counters", snapshot["counters"], np.int64, (2,))
+        for number, most in zip(snapshot["counters"], (MOST_SEED, MOST_EPISODES), strict=True):
+            check_range("counters", number, 0, most)
         check_range("episodes", snapshot["episodes"], 0, MOST_EPISODES)  # -1: no game has begun there
         state, plans, drives = self.arena.check({name: snapshot[name] for name in names})
         check_all(
@@ -300,6 +321,11 @@ class TaskGames:
             "demos": self.demos,
         }
 
+    @property
+    def _rival_camps(self) -> list[Camp]:
+        """Camps that opponents play."""
+        return [enemy_of(parse_camp(side)) for side in CAMPS_OF[self.settings.side]]
+
     def _camp_of(self, episode: int) -> Camp:
         if self.settings.side == "both":
             return (Camp.RED, Camp.BLUE)[episode % 2]
@@ -353,6 +379,41 @@ class TaskGames:
         return Sight(
             world, camp, self.n_games, dtype=self.settings.dtype, with_state=self.settings.privileged_state
         )
+
+
+def check_pieces(world: World) -> None:
+    """Check that both camps have somebody to play with.
+
+    Raises:
+        ConfigError: one has no piece.
+    """
+    for camp in SIDES:
+        if not world.piece_names(camp):
+            raise ConfigError(
+                f"scenario {world.scenario.name!r}: {camp_name(camp)} has no pieces, nothing to learn"
+            )
+
+
+def fitting_mixture(opponent: object, world: World, camps: Iterable[Camp]) -> Mixture:
+    """Opponents that can play these camps, as `make_mixture` takes them.
+
+    Raises:
+        ConfigError: one is for other pieces, tasks or features; and as `make_mixture`.
+    """
+    mixture = make_mixture(opponent)
+    for camp in camps:
+        for seat, name in zip(mixture.players, mixture.names, strict=True):
+            check_fit(seat, world, camp, name)
+    return mixture
+
+
+def _demo_bot(name: str | None) -> BotPlayer | None:
+    if name is None:
+        return None
+    bot = make_player(name)
+    if not isinstance(bot, BotPlayer):
+        raise ConfigError(f"demo_bot is a bot, which runs in the drive loop; got {shortened(repr(name))}")
+    return bot
 
 
 def setup_of(settings: TaskSettings) -> Setup:

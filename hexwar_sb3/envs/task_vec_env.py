@@ -20,14 +20,16 @@ class TaskVecEnv(NativeVecEnv):
     """All games are stepped in one call; ended ones start anew.
 
     The arrays of an observation are reused by the step after the next: copy what must stay.
+    The reward is the referee's margin, so it tells of hits on enemies that the camp does not see; the observations
+    tell nothing of them.
 
     Args:
         n_envs: games.
         settings: the env's settings.
-        seed: of the episodes.
+        seed: of the episodes; None draws one.
     """
 
-    def __init__(self, n_envs: int, settings: TaskSettings, seed: int = 0) -> None:
+    def __init__(self, n_envs: int, settings: TaskSettings, seed: int | None = None) -> None:
         self.games = TaskGames(n_envs, settings, seed)
         sight = self.games.sight
         super().__init__(n_envs, observation_space(sight), action_space(sight))
@@ -43,7 +45,9 @@ class TaskVecEnv(NativeVecEnv):
         self.games.turn()
         obs = self.games.look(self.games.all)
         current = self.games.current_tasks(obs)
-        infos = [self._info(b, span, obs) | {"current_tasks": current[b]} for b in range(self.num_envs)]
+        infos = [
+            self._info(b, span, obs) | {"current_tasks": current[b].copy()} for b in range(self.num_envs)
+        ]
         ended = self.games.all[span.over]
         if ended.size:
             self.games.begin(ended)
@@ -65,10 +69,9 @@ class TaskVecEnv(NativeVecEnv):
         return self.games.sight.obs["action_mask"].reshape(self.num_envs, -1).astype(np.bool_)
 
     def seed(self, seed: int | None = None) -> Sequence[int | None]:
-        """Count episodes from 0 again under this seed; takes effect at the next reset."""
-        if seed is not None:
-            self.games.seed(seed)
-        return [seed] * self.num_envs
+        """Count episodes from 0 again under this seed, or a drawn one; takes effect at the next reset."""
+        self.games.seed(seed)
+        return [self.games.first_seed] * self.num_envs
 
     def set_demo_share(self, share: float) -> None:
         """Share of the episodes, from the next ones on, in which the demo bot plays the learner's seat."""

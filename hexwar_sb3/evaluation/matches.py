@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from numbers import Integral
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +14,7 @@ from hexwar_sb3.evaluation.results import CampResult, MatchResult
 from hexwar_sb3.evaluation.seeds import Purpose, seed_for
 from hexwar_sb3.maps.scenario import Scenario
 from hexwar_sb3.play.match import MatchGames, play_games
+from hexwar_sb3.play.player import given_name
 from hexwar_sb3.play.records import DECISION_TICKS
 from hexwar_sb3.rules.enums import Camp
 from hexwar_sb3.tasks.spots import SPOTS
@@ -47,7 +49,7 @@ def play_match(
 
     Raises:
         UnknownNameError: no such player or scenario.
-        ConfigError: a number is out of range, or an object cannot play.
+        ConfigError: a number is out of range, an object cannot play, or a player does not fit the scenario.
 
     Example:
         >>> play_match("MA1", "MA2", games=100).win_rate
@@ -74,10 +76,10 @@ def play_match(
     )
 
 
-def check_games(games: int) -> None:
+def check_games(games: object) -> None:
     """Raise ConfigError unless there is a game to play."""
-    if games < 1:
-        raise ConfigError(f"games must be at least 1, got {games}")
+    if isinstance(games, bool) or not isinstance(games, Integral) or games < 1:
+        raise ConfigError(f"games must be at least 1, got {games!r}")
 
 
 def camp_result(outcome: MatchGames, camp: Camp) -> CampResult:
@@ -91,6 +93,4 @@ def camp_result(outcome: MatchGames, camp: Camp) -> CampResult:
 
 def player_name(player: object) -> str:
     """What tables call a player: its name, its folder's name, or its type."""
-    if isinstance(player, str | Path):
-        return Path(player).name
-    return str(getattr(player, "name", type(player).__name__))
+    return given_name(player) or str(getattr(player, "name", type(player).__name__))

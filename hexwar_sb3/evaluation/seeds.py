@@ -7,6 +7,7 @@ lists the ranges.
 from __future__ import annotations
 
 from enum import IntEnum
+from numbers import Integral
 
 from hexwar_sb3.errors import ConfigError
 
@@ -22,7 +23,7 @@ class Purpose(IntEnum):
     TUNING = 3
 
 
-def seed_for(purpose: Purpose, seed: int) -> int:
+def seed_for(purpose: Purpose, seed: object) -> int:
     """Shift a user's seed into the range of its purpose.
 
     Raises:
@@ -32,6 +33,6 @@ def seed_for(purpose: Purpose, seed: int) -> int:
         >>> seed_for(Purpose.REPORT, 7)
         2000007
     """
-    if not 0 <= seed < SEEDS_PER_PURPOSE:
-        raise ConfigError(f"seed must be in 0..{SEEDS_PER_PURPOSE - 1}, got {seed}")
-    return purpose * SEEDS_PER_PURPOSE + seed
+    if isinstance(seed, bool) or not isinstance(seed, Integral) or not 0 <= int(seed) < SEEDS_PER_PURPOSE:
+        raise ConfigError(f"seed must be in 0..{SEEDS_PER_PURPOSE - 1}, got {seed!r}")
+    return purpose * SEEDS_PER_PURPOSE + int(seed)

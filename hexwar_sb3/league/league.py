@@ -512,7 +512,7 @@ def _check_starters(policies: Mapping[str, FrozenPolicy], settings: LeagueSettin
         if way != (first := next(iter(ways.values()))):
             raise ConfigError(f"{name} was trained with {way}, others with {first}: they cannot meet")
     terms = Terms(**{**first, "scenario": settings.scenario})
-    env = make_vec_env(TASK_ENV, **env_settings(terms, n_envs=1))
+    env = make_vec_env(TASK_ENV, seed=0, **env_settings(terms, n_envs=1))
     shapes = TaskShapes.of(env.observation_space, env.action_space)
     has = (shapes.n_pieces, shapes.n_tasks, shapes.obs_dim, shapes.task_dim)
     for name, policy in policies.items():

@@ -23,10 +23,11 @@ from hexwar_sb3.errors import ConfigError
 from hexwar_sb3.kernels import Rows, kernel
 from hexwar_sb3.play.demos import name_plans
 from hexwar_sb3.play.drive import advance_until_decision
+from hexwar_sb3.play.fit import check_actions, check_fit, check_tasks
 from hexwar_sb3.play.look import Sight, choose_batch, look_batch, observe_routes
 from hexwar_sb3.play.lower import HEURISTIC, KEPT, LOWER_NET, tell_pieces
 from hexwar_sb3.play.lower_policy import HEURISTIC_LOWER, Answerer, FrozenLower, Lower, check_answers
-from hexwar_sb3.play.player import BotPlayer, Player, Seat
+from hexwar_sb3.play.player import BotPlayer, Player, Seat, seat_name
 from hexwar_sb3.play.records import DECISION_TICKS, DRIVE, EXTERNAL
 from hexwar_sb3.play.sound import check_play
 from hexwar_sb3.rules.enums import Camp
@@ -53,8 +54,11 @@ class Setup:
         """Check the numbers: games of 0 ticks a decision would never end.
 
         Raises:
-            ConfigError: decision ticks are out of their range.
+            ConfigError: a number is out of its range.
         """
+        if len(self.decision_ticks) != 2:
+            raise ConfigError(f"decision_ticks are one number a camp, got {self.decision_ticks!r}")
+        check_whole("spots", self.spots, least=0)
         for ticks in self.decision_ticks:
             check_whole("decision_ticks", ticks, least=1, most=MOST_TICKS)
 
@@ -103,13 +107,18 @@ class Arena:
             self.sit(b, camp, seat)
 
     def sit(self, b: int, camp: int, seat: Seat | None) -> None:
-        """Seat a player, a bot or (None) the caller."""
+        """Seat a player, a bot or (None) the caller.
+
+        Raises:
+            ConfigError: the player is for other pieces, tasks or features.
+        """
+        if seat is not None:
+            check_fit(seat, self.world, camp)
         bot = isinstance(seat, BotPlayer)
         self.drives[b].seat[camp] = seat.bot if isinstance(seat, BotPlayer) else EXTERNAL
         self.drives[b].wake_at[camp] = 0 if bot else NEVER
         self.drives[b].asked[camp] = self.drives[b].due[camp] = not bot
         self.players[b][camp] = None if isinstance(seat, BotPlayer) else seat
-
         self.set_lower(b, camp, getattr(seat, "lower", HEURISTIC_LOWER))
 
     def set_lower(self, b: int, camp: int, lower: Lower) -> None:
@@ -133,7 +142,7 @@ class Arena:
         Raises:
             ConfigError: they are none, or of another shape.
         """
-        check_actions(answers, (len(which), len(self.world.piece_names(int(camps[0])))))
+        answers = check_actions(answers, (len(which), len(self.world.piece_names(int(camps[0])))))
         if ((answers < 0) | (answers >= N_ANSWERS)).any():
             raise ConfigError(f"answers must be in 0..{N_ANSWERS - 1}, got {answers.tolist()}")
         for b, camp, kept in zip(which, camps, answers, strict=True):
@@ -238,7 +247,7 @@ class Arena:
         Raises:
             ConfigError: the actions are no whole numbers [n, N].
         """
-        check_actions(actions, (len(which), sight.rows.shape[1]))
+        actions = check_actions(actions, (len(which), sight.rows.shape[1]))
         illegal = np.zeros(len(which), np.int64)
         actions = np.require(actions, np.int64, ("C", "W"))
         choose_batch(
@@ -264,9 +273,13 @@ class Arena:
         slots, camps = np.arange(len(which)), np.full(len(which), camp)
         self.look(slots, which, camps, sight)
         actions = player.act({key: value[: len(which)] for key, value in sight.obs.items()})
-        self.choose(slots, which, camps, actions, sight)
-        if hasattr(player, "answers"):
-            self.keep_answers(which, camps, player.answers)
+        try:
+            tasks = check_tasks(actions, (len(which), sight.rows.shape[1]))
+            self.choose(slots, which, camps, tasks, sight)
+            if hasattr(player, "answers"):
+                self.keep_answers(which, camps, player.answers)
+        except ConfigError as error:
+            raise ConfigError(f"player {seat_name(player)!r}: {error}") from error
 
     def _sight_for(self, camp: int) -> Sight:
         if camp not in self._sights:
@@ -352,19 +365,6 @@ class Arena:
 def _bits(side: slice) -> int:
     """Bit mask of the pieces of a side."""
     return (1 << side.stop) - (1 << side.start)
-
-
-def check_actions(actions: object, expected: tuple[int, ...]) -> None:
-    """Check the shape of actions, [games, pieces], before a kernel takes it for granted.
-
-    Raises:
-        ConfigError: they are no whole numbers, or too many or too few.
-    """
-    found = np.asarray(actions)
-    if found.shape != expected or found.dtype.kind not in "iu":
-        raise ConfigError(
-            f"actions must be whole numbers of shape (games, pieces) = {expected}, got {found.dtype} {found.shape}"
-        )
 
 
 def _start(world: World, setup: Setup) -> State:

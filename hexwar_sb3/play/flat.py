@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from hexwar_sb3.errors import ConfigError
 from hexwar_sb3.tasks.route import N_ANSWERS
 
 
@@ -33,6 +34,20 @@ def is_flat(model: object) -> bool:
     return shape is not None and len(shape) == 1
 
 
+def predicted(model: Any, obs: Any, **masks: Any) -> object:
+    """What a model's `predict` picks, greedily.
+
+    Raises:
+        ConfigError: it returns anything else than (actions, state).
+    """
+    answer = model.predict(obs, deterministic=True, **masks)
+    if not (isinstance(answer, tuple) and len(answer) == 2):
+        raise ConfigError(
+            f"{type(model).__name__}.predict must return (actions, state), got {type(answer).__name__}"
+        )
+    return answer[0]
+
+
 class FlatPlayer:
     """A model of the flat env as a player: it is asked for every living piece, greedily.
 
@@ -52,7 +67,12 @@ class FlatPlayer:
         actions = np.zeros(obs["alive"].shape, np.int64)
         games, slots = np.nonzero(obs["alive"])
         if games.size:
-            rows = flat_observation(obs, games, slots)
-            actions[games, slots], _ = self.model.predict(rows, deterministic=True)
+            found = np.asarray(predicted(self.model, flat_observation(obs, games, slots)))
+            if found.shape != games.shape or found.dtype.kind not in "iu":
+                raise ConfigError(
+                    f"{type(self.model).__name__}.predict must give {games.size} whole numbers, one a row,"
+                    f" got {found.dtype} {found.shape}"
+                )
+            actions[games, slots] = found
         tasks, self.answers = np.divmod(actions, N_ANSWERS)
         return tasks

@@ -13,7 +13,8 @@ from hexwar_sb3.checks import check_whole
 from hexwar_sb3.engine.world import load_world
 from hexwar_sb3.maps.scenario import Scenario
 from hexwar_sb3.play.arena import Arena, Games, Setup
-from hexwar_sb3.play.player import Player, Seat, make_player
+from hexwar_sb3.play.fit import check_fit
+from hexwar_sb3.play.player import Player, Seat, given_name, make_player
 from hexwar_sb3.play.records import DECISION_TICKS, DRIVE
 from hexwar_sb3.play.seeds import check_seed, game_seed
 from hexwar_sb3.rules.enums import Camp
@@ -64,6 +65,10 @@ def play_games(
         spots: k of G^L(k), the cells that tasks lead to.
         early: policies also decide after an own loss or an ended task.
         progress: called with the number of games that have ended, now and then.
+
+    Raises:
+        UnknownNameError: no such player or scenario.
+        ConfigError: a number is out of its range, or a player does not fit the scenario.
     """
     check_seed(seed)
     check_whole("games", games, least=0)
@@ -73,6 +78,8 @@ def play_games(
         load_world(scenario), min(games, BATCH_GAMES), Setup(decision_ticks=pair, spots=spots, early=early)
     )
     results = _empty(games, len(arena.world.scenario.points))
+    for camp, (player, seat) in enumerate(zip((red, blue), seats, strict=True)):
+        check_fit(seat, arena.world, camp, given_name(player))
     for first in range(0, games, BATCH_GAMES):
         which = np.arange(min(BATCH_GAMES, games - first))
         _play_batch(arena, which, seats, [game_seed(seed, first + int(b)) for b in which])

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
+from numbers import Real
 from pathlib import Path
 from typing import Any, Protocol, TypeAlias, cast, runtime_checkable
 
@@ -12,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hexwar_sb3.bots.registry import BOTS
-from hexwar_sb3.errors import ConfigError, PolicyFileError, UnknownNameError
-from hexwar_sb3.play.flat import FlatPlayer, is_flat
+from hexwar_sb3.errors import ConfigError, PolicyFileError, UnknownNameError, shortened
+from hexwar_sb3.play.flat import FlatPlayer, is_flat, predicted
 from hexwar_sb3.play.frozen import FrozenPolicy
 from hexwar_sb3.play.lower_policy import HEURISTIC_LOWER, Lower
 from hexwar_sb3.rules.ruleset import default_rules
@@ -74,8 +75,7 @@ class ModelPlayer:
         if "action_masks" in inspect.signature(self.model.predict).parameters:
             mask = obs["action_mask"]
             masks["action_masks"] = mask.reshape(len(mask), -1)
-        actions, _ = self.model.predict(dict(obs), deterministic=True, **masks)
-        return cast("Actions", actions)
+        return cast("Actions", predicted(self.model, dict(obs), **masks))
 
 
 @dataclass(frozen=True)
@@ -117,9 +117,9 @@ def make_player(player: object) -> Seat:
         )
     if isinstance(player, BotPlayer | Player):
         return player
-    if hasattr(player, "act"):
+    if callable(getattr(player, "act", None)):
         return ActingPlayer(player)
-    if hasattr(player, "predict"):
+    if callable(getattr(player, "predict", None)):
         return FlatPlayer(player) if is_flat(player) else ModelPlayer(player)
     raise ConfigError(f"a player is a name, a folder, or has act() or predict(); got {player!r}")
 
@@ -137,18 +137,34 @@ def _named_player(name: str | Path) -> Seat:
     raise UnknownNameError("player", str(name), (*BOTS, *POLICIES))
 
 
+def seat_name(seat: Seat) -> str:
+    """What messages call a player: a bot's name, or the type of what plays."""
+    if isinstance(seat, BotPlayer):
+        return seat.name
+    inner = seat.model if isinstance(seat, ModelPlayer | FlatPlayer) else getattr(seat, "actor", seat)
+    return type(inner).__name__
+
+
+def given_name(player: object) -> str | None:
+    """The name under which a player was given, or its folder's; None for an object."""
+    return Path(player).name if isinstance(player, str | Path) else None
+
+
 @dataclass(frozen=True)
 class Mixture:
     """Opponents with weights; each episode draws one of them by its number alone."""
 
     players: tuple[Seat, ...]
     weights: tuple[float, ...]
+    names: tuple[str | None, ...] = field(default=(), compare=False)  # under which they were given, if any
     shares: NDArray[np.float64] = field(init=False, compare=False)
 
     def __post_init__(self) -> None:
         weights = np.asarray(self.weights, dtype=np.float64)
-        if not self.players or (weights < 0).any() or weights.sum() <= 0:
-            raise ConfigError(f"opponents need weights >= 0 with a positive sum, got {self.weights}")
+        if not self.players or not (weights >= 0).all() or not 0 < weights.sum() < np.inf:
+            raise ConfigError(
+                f"opponents need finite weights >= 0 with a positive sum, got {shortened(str(self.weights))}"
+            )
         object.__setattr__(self, "shares", weights.cumsum() / weights.sum())
 
     def draw(self, seed: int, episode: int) -> int:
@@ -162,17 +178,25 @@ class Mixture:
 def make_mixture(opponent: object) -> Mixture:
     """One opponent, a list of them (equal weights), or a list of (opponent, weight).
 
+    Raises:
+        ConfigError: there is none, a weight is no number or out of its range; and as `make_player`.
+
     Example:
         >>> make_mixture([("MA1", 3), ("MA2", 1)]).weights
         (3.0, 1.0)
     """
-    if not isinstance(opponent, list | tuple):
-        opponent = [opponent]
-    pairs = [_with_weight(one) for one in cast("Sequence[object]", opponent)]
-    return Mixture(tuple(make_player(one) for one, _ in pairs), tuple(weight for _, weight in pairs))
+    entries = opponent if isinstance(opponent, list | tuple) else [opponent]
+    pairs = [_with_weight(one) for one in entries]
+    return Mixture(
+        tuple(make_player(one) for one, _ in pairs),
+        tuple(weight for _, weight in pairs),
+        tuple(given_name(one) for one, _ in pairs),
+    )
 
 
 def _with_weight(entry: object) -> tuple[object, float]:
-    if isinstance(entry, tuple) and len(entry) == 2:
-        return entry[0], float(entry[1])
-    return entry, 1.0
+    if not isinstance(entry, list | tuple):
+        return entry, 1.0
+    if len(entry) != 2 or isinstance(entry[1], bool) or not isinstance(entry[1], Real):
+        raise ConfigError(f"an opponent is a player or (player, weight), got {shortened(repr(entry))}")
+    return entry[0], float(entry[1])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import secrets
 from typing import Any
 
 import numpy as np
@@ -15,14 +16,26 @@ from hexwar_sb3.reading import parse_json
 
 _WORD, _STATE = 2**32, 2**128
 
+SEEDS = 1_000_000  # that are drawn from where nobody gives one
+MOST_SEED = 2**63 - 1  # a checkpoint's counters have 64 bits, one of them for the sign
+
 
 def check_seed(seed: object) -> int:
     """Return the seed.
 
     Raises:
-        ConfigError: it is no integer >= 0.
+        ConfigError: it is no integer in 0..MOST_SEED.
     """
-    return check_whole("seed", seed, least=0)
+    return check_whole("seed", seed, least=0, most=MOST_SEED)
+
+
+def chosen_seed(seed: object) -> int:
+    """The seed, or one that is drawn where it is None.
+
+    Raises:
+        ConfigError: it is neither None nor an integer in 0..MOST_SEED.
+    """
+    return secrets.randbelow(SEEDS) if seed is None else check_seed(seed)
 
 
 def game_seed(seed: int, episode: int) -> int:
@@ -33,22 +46,6 @@ def game_seed(seed: int, episode: int) -> int:
 def episode_draw(seed: int, episode: int, stream: int) -> np.random.Generator:
     """Random numbers of an episode that are not dice; one stream a purpose."""
     return np.random.default_rng([seed, episode, stream])
-
-
-def seed_array(seed: int) -> NDArray[np.uint8]:
-    """A seed of any size as bytes, for a file."""
-    return np.frombuffer(seed.to_bytes(seed.bit_length() // 8 + 1), np.uint8)
-
-
-def seed_of(array: Any, place: str) -> int:
-    """Take a seed from a file.
-
-    Raises:
-        CheckpointError: it is none.
-    """
-    if not isinstance(array, np.ndarray) or array.dtype != np.uint8 or array.ndim != 1:
-        refuse(place, "something else", "bytes")
-    return int.from_bytes(array.tobytes())
 
 
 def text_of(array: Any, place: str) -> str:

@@ -30,7 +30,7 @@ PER_HOP = 1 / 125  # base hops of a way: ticks of a hop of that type on open gro
 PER_DETOUR = 1 / 5  # base hops lost on a way
 PER_AGE = 1 / 300  # ticks in which what was seen loses its worth (bots.md, section 1)
 MOST = 2.0  # scaled ways and ages are cut off here
-BOUND = 16.0  # of every number; steep maps and rich scenarios are cut off here
+BOUND = 16.0  # of every number; steep maps, rich scenarios and long games are cut off here
 BIT = 1.0
 
 _KINDS = len(PieceType)

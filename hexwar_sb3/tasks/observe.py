@@ -15,7 +15,6 @@ from hexwar_sb3.kernels import Row, Rows, kernel
 from hexwar_sb3.maps.geometry import cells_apart, frame_cell, frame_direction
 from hexwar_sb3.rules.enums import Camp, PieceType
 from hexwar_sb3.tasks.features import (
-    BOUND,
     MOST,
     PER_BLOOD,
     PER_CELL,
@@ -30,7 +29,7 @@ from hexwar_sb3.tasks.features import (
 )
 from hexwar_sb3.tasks.known import age, end_piece, first_piece, known_in_zone, sees_itself, ticks_left
 from hexwar_sb3.tasks.shots import best_shot
-from hexwar_sb3.tasks.task_rows import N_TASKS, N_TYPES, put_way, write_rows
+from hexwar_sb3.tasks.task_rows import N_TASKS, N_TYPES, bounded, put_way, write_rows
 from hexwar_sb3.tasks.travel import travel_ticks
 
 
@@ -59,12 +58,6 @@ def observe(
             at = _put_points(obs[n], at, i, game, pieces, memory, rules, cells, eta)
             _put_game(obs[n], at, camp, game, known_margin(game, pieces, memory, camp, rules))
         write_rows(i, game, pieces, memory, plans, rules, cells, los, eta, tasks[n], mask[n], rows[n])
-
-
-@kernel
-def bounded(value: float) -> float:
-    """The number, cut off at BOUND on both sides."""
-    return max(-BOUND, min(BOUND, value))
 
 
 @kernel
@@ -137,8 +130,8 @@ def _put_shots(
         now, _, _ = best_shot(i, NO_PIECE, False, allotted, game, pieces, memory, rules, cells)
         settled, _, _ = best_shot(i, NO_PIECE, True, allotted, game, pieces, memory, rules, cells)
         out[at] = seen * PER_COUNT
-        out[at + 1] = now * PER_VALUE
-        out[at + 2] = settled * PER_VALUE
+        out[at + 1] = bounded(now * PER_VALUE)
+        out[at + 2] = bounded(settled * PER_VALUE)
     return at + 3
 
 
@@ -201,7 +194,7 @@ def _put_enemies(out: Rows, at: int, i: int, game: Row, pieces: Rows, memory: Ro
         else:
             out[at + 2] = known.seen
             out[at + 3] = 1.0 if sees_itself(pieces[i], j) else 0.0
-            out[at + 4] = age(known, game.tick) * PER_GAME
+            out[at + 4] = bounded(age(known, game.tick) * PER_GAME)
             put_way(out, at + 5, camp, pieces[i].cell, known.cell, cells)
             out[at + 8] = known.blood * PER_BLOOD
             out[at + 9] = known.hidden
@@ -237,7 +230,7 @@ def _put_owner(out: Rows, at: int, camp: int, owner: int) -> int:
 
 @kernel
 def _put_game(out: Rows, at: int, camp: int, game: Row, points: int) -> int:
-    out[at] = (int(game.end_tick) - int(game.tick)) * PER_GAME
+    out[at] = bounded((int(game.end_tick) - int(game.tick)) * PER_GAME)
     out[at + 1] = bounded(points * PER_MARGIN)
     out[at + 2] = 1.0 if camp == Camp.BLUE else 0.0
     return at + 3

@@ -62,7 +62,7 @@ def observe_route(
             mask[1 + framed] = 1
             if ways:
                 detour = hop + travel_ticks(kind, cells[cell].neighbour[d], goal, rules, cells, eta) - way
-                out[at + 8] = min(detour * PER_DETOUR / rules.base_hop[kind], MOST)
+                out[at + 8] = max(-MOST, min(MOST, detour * PER_DETOUR / rules.base_hop[kind]))
     mask[STAY] = 1 if cell == goal or stuck else 0
 
 

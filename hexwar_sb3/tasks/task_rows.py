@@ -13,6 +13,7 @@ from hexwar_sb3.maps.geometry import cells_apart, frame_cell
 from hexwar_sb3.rules.enums import PieceType, Weapon
 from hexwar_sb3.tasks.bombard import mortar_value
 from hexwar_sb3.tasks.features import (
+    BOUND,
     MOST,
     PER_AGE,
     PER_ATTACK,
@@ -38,6 +39,12 @@ from hexwar_sb3.tasks.travel import travel_ticks
 
 N_TYPES = len(PieceType)
 N_TASKS = len(TaskKind)
+
+
+@kernel
+def bounded(value: float) -> float:
+    """The number, cut off at BOUND on both sides: for features that a legal scenario can drive beyond it."""
+    return max(-BOUND, min(BOUND, value))
 
 
 @kernel
@@ -72,7 +79,7 @@ def write_rows(
             _put_target(out, at, i, task.target, game, pieces, memory, rules, cells, los)
         now, value = _action(i, task, game, pieces, memory, rules, cells)
         out[N_TASKS + 5] = 1.0 if now else 0.0
-        out[at + N_TYPES + 8] = value * PER_VALUE
+        out[at + N_TYPES + 8] = bounded(value * PER_VALUE)
 
 
 @kernel

@@ -229,25 +229,27 @@ def test_settings_out_of_range_are_refused_at_once(options: dict[str, Any], mess
 def test_a_policy_is_led_as_its_games_were() -> None:
     """Trained over another's lower level, the frozen copy plays over that one; a model that has its own keeps it."""
     network = fastest_way_network()
-    env = make_vec_env(n_envs=1, lower=network, privileged_state=True)
+    env = make_vec_env(n_envs=1, lower=network, privileged_state=True, seed=0)
 
     for trained in (
         QMIX("TaskPolicy", env, buffer_size=10),
         HierarchicalQMIX("HierarchicalPolicy", env, buffer_size=10, phase_ticks=(1, 0)),
     ):
         assert trained.policy.freeze().lower is network
-        trained.set_env(make_vec_env(n_envs=1, privileged_state=True))
+        trained.set_env(make_vec_env(n_envs=1, privileged_state=True, seed=0))
         assert trained.policy.freeze().lower == HEURISTIC_LOWER
 
     leading = HierarchicalQMIX("HierarchicalPolicy", env, buffer_size=10, takeover=0.0)
     leading.set_logger(Logger(folder=None, output_formats=[]))
     leading._let_lead(network)
-    leading.set_env(make_vec_env(n_envs=1, privileged_state=True))
+    leading.set_env(make_vec_env(n_envs=1, privileged_state=True, seed=0))
     assert leading.policy.freeze().lower is network
 
 
 def test_the_route_env_has_the_task_envs_settings() -> None:
-    env = make_vec_env(n_envs=1, spots=3, decisions="event", decision_ticks=150, privileged_state=True)
+    env = make_vec_env(
+        n_envs=1, spots=3, decisions="event", decision_ticks=150, privileged_state=True, seed=0
+    )
     owner = HierarchicalQMIX("HierarchicalPolicy", env, buffer_size=10)
 
     route = owner._route_env().get_attr("settings")[0]
@@ -256,14 +258,17 @@ def test_the_route_env_has_the_task_envs_settings() -> None:
 
 
 def test_a_route_env_of_your_own_says_what_the_lower_level_reads() -> None:
-    own = make_vec_env("HexWarRoute-v0", n_envs=2, ways=False, beta=0.2)
+    own = make_vec_env("HexWarRoute-v0", n_envs=2, ways=False, beta=0.2, seed=0)
 
     owner = model(lower_env=own, route_kwargs={}, lower_kwargs={})
 
     assert not owner.frozen_lower().ways
     assert owner.frozen_lower().tie == pytest.approx(0.4 * 0.2)
     assert owner.lower.gamma == 0.98  # there is no potential without ways
-    assert model(lower_env=make_vec_env("HexWarRoute-v0", shaping=0.0), lower_kwargs={}).lower.gamma == 0.98
+    assert (
+        model(lower_env=make_vec_env("HexWarRoute-v0", shaping=0.0, seed=0), lower_kwargs={}).lower.gamma
+        == 0.98
+    )
 
 
 def test_a_lower_env_that_is_no_route_env_is_refused() -> None:

@@ -64,7 +64,7 @@ class Corridor(gymnasium.Env[Obs, np.int64]):
 
 
 def corridors(n_envs: int = 4) -> VecEnv:
-    return make_vec_env(Corridor, n_envs)
+    return make_vec_env(Corridor, n_envs, seed=0)
 
 
 SMALL: dict[str, Any] = {
@@ -459,7 +459,7 @@ class Poisoned(Corridor):
 @pytest.mark.parametrize("algorithm", [MaskedDQN, MaskedQRDQN])
 def test_weights_that_are_not_finite_stop_the_training(algorithm: type[Model]) -> None:
     """A NaN loss: SB3 would go on with it."""
-    model = algorithm("MaskedPolicy", make_vec_env(Poisoned, 4), **SMALL)
+    model = algorithm("MaskedPolicy", make_vec_env(Poisoned, 4, seed=0), **SMALL)
 
     with pytest.raises(TrainingError, match="the network's weights are not finite"):
         model.learn(400)

@@ -72,7 +72,7 @@ def test_a_larger_budget_learns_on_after_the_league(tmp_path: Path) -> None:
 
 
 def test_both_levels_are_taken_over(tmp_path: Path) -> None:
-    env = make_vec_env(n_envs=2, side="both", privileged_state=True, lower=fastest_way_network())
+    env = make_vec_env(n_envs=2, side="both", privileged_state=True, lower=fastest_way_network(), seed=0)
     model = HierarchicalQMIX("HierarchicalPolicy", env, phase_ticks=(1, 0), **SMALL)
     model.learn(1, callback=GroupedSelfPlayCallback(tmp_path / "league", TINY))
     model.save(tmp_path / "model")
@@ -91,7 +91,7 @@ def test_another_map_or_model_is_refused(tmp_path: Path) -> None:
         ConfigError, match=r"the league's models have .*128.*, the model .*64.*: make them alike"
     ):
         qmix().learn(1, callback=GroupedSelfPlayCallback(tmp_path, replace(TINY, hidden=128)))
-    ppo = MaskablePPO("MultiInputPolicy", make_vec_env(n_envs=2), n_steps=24, batch_size=16)
+    ppo = MaskablePPO("MultiInputPolicy", make_vec_env(n_envs=2, seed=0), n_steps=24, batch_size=16)
     with pytest.raises(
         ConfigError, match="grouped self-play is for QMIX and HierarchicalQMIX, got MaskablePPO"
     ):

@@ -14,7 +14,7 @@ SHORT = 300  # Delta-t: a game in six decisions
 
 
 def test_a_game_of_each_camp_is_written_with_its_picture(tmp_path: Path) -> None:
-    env = make_vec_env(decision_ticks=SHORT, privileged_state=True)
+    env = make_vec_env(decision_ticks=SHORT, privileged_state=True, seed=0)
     model = QMIX("TaskPolicy", env, buffer_size=100, seed=0)
 
     model.learn(12, callback=RecordGame(6, "random", Terms(games=1, decision_ticks=SHORT), folder=tmp_path))

@@ -63,7 +63,7 @@ def test_a_study_of_ones_own_with_qmix() -> None:
         callback = TrialEvalCallback(
             make_vec_env(seed=1, reward="net"), trial, eval_freq=12, n_eval_episodes=1
         )
-        model = QMIX("TaskPolicy", make_vec_env(n_envs=2, reward="net"), n_steps=steps, seed=0)
+        model = QMIX("TaskPolicy", make_vec_env(n_envs=2, reward="net", seed=0), n_steps=steps, seed=0)
         model.learn(48, callback=callback)
         if callback.is_pruned:
             raise optuna.TrialPruned

@@ -42,7 +42,7 @@ def run(*arguments: str) -> int:
 @pytest.fixture(scope="module")
 def starters(tmp_path_factory: pytest.TempPathFactory) -> list[str]:
     """Two run folders with policies."""
-    folder, env = tmp_path_factory.mktemp("runs"), make_vec_env(n_envs=1, privileged_state=True)
+    folder, env = tmp_path_factory.mktemp("runs"), make_vec_env(n_envs=1, privileged_state=True, seed=0)
     for seed in (1, 2):
         model = QMIX("TaskPolicy", env, seed=seed, buffer_size=10)
         as_member(model, side="both", scenario="plain").save(folder / f"run_{seed}" / "policy")
@@ -78,7 +78,7 @@ def test_teachers_become_one_policy(
 def test_teachers_of_different_camps_need_a_word(
     starters: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    env = make_vec_env(n_envs=1, privileged_state=True)
+    env = make_vec_env(n_envs=1, privileged_state=True, seed=0)
     model = QMIX("TaskPolicy", env, seed=3, buffer_size=10)
     as_member(model, side="red", scenario="plain").save(tmp_path / "red")
     words = ("distill", str(tmp_path / "red"), "--games", "2", "--updates", "3")

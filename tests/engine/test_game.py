@@ -23,7 +23,9 @@ def test_the_example_of_the_architecture_page_runs() -> None:
     """architecture.md, section 9."""
     game = hx.Game("plain", seed=0)
     game.submit(
-        "red", [hx.Move("tank0", ["1134", "1234"]), hx.Shoot("tank1", target="blue:chariot0", weapon="GUN")]
+        "red",
+        [hx.Move("tank0", ["1134", "1234"]), hx.Shoot("tank1", target="blue:chariot0", weapon="GUN")],
+        strict=False,
     )
     events = game.advance(75)
     assert [event.kind for event in events] == ["refused", "arrived", "arrived"]
@@ -246,3 +248,40 @@ def test_a_seed_is_a_whole_number(seed: Any) -> None:
 def test_what_is_no_order_is_met_with_an_example(wrong: Any) -> None:
     with pytest.raises(OrderError, match=r"expected an order such as Move\("):
         Game().submit("red", wrong)
+
+
+ILLEGAL = Shoot("tank0", "tank0", "GUN")
+
+
+def test_an_illegal_order_is_never_lost_without_a_word() -> None:
+    """Who does not say what to do with one is warned; the list says why, and the order is taken as null."""
+    game = Game()
+    why = game.why_illegal("red", ILLEGAL)
+    with pytest.warns(hx.IllegalOrderWarning, match="tank0 shoot") as caught:
+        reasons = game.submit("red", [Hide("chariot0"), ILLEGAL])
+    assert why is not None
+    assert why in str(caught[0].message)
+    assert caught[0].filename == __file__
+    assert reasons == [None, why]
+    assert [event.kind for event in game.advance(1)] == ["refused"]
+
+
+def test_a_strict_game_takes_none_of_a_batch_with_an_illegal_order() -> None:
+    game, untouched = Game(), Game()
+    with pytest.raises(OrderError, match="red, tank0 shoot"):
+        game.submit("red", [Hide("chariot0"), ILLEGAL], strict=True)
+    assert game.advance(75) == untouched.advance(75)
+    assert str(game) == str(untouched)
+
+
+@pytest.mark.parametrize("strict", [True, False, None])
+def test_legal_orders_are_taken_alike(strict: bool | None) -> None:
+    game, other = Game(), Game()
+    orders = [Move("tank0", ["1134", "1234"]), Hide("chariot0")]
+    assert game.submit("red", orders, strict=strict) == other.submit("red", orders) == [None, None]
+    assert game.advance(75) == other.advance(75)
+
+
+def test_who_takes_illegal_orders_on_purpose_hears_nothing() -> None:
+    game = Game()
+    assert game.submit("red", ILLEGAL, strict=False) == [game.why_illegal("red", ILLEGAL)]

@@ -215,7 +215,7 @@ def test_an_illegal_order_is_refused_with_its_reason(case: Case) -> None:
     without.advance(1)
 
     assert game.why_illegal("red", case.order) == case.why
-    assert game.submit("red", [case.order]) == [case.why]
+    assert game.submit("red", [case.order], strict=False) == [case.why]
     assert [event.reason for event in game.advance(1) if event.kind == "refused"] == [case.why]
     assert state_hash(game.state, 0) == state_hash(without.state, 0)
 

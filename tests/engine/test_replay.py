@@ -24,14 +24,13 @@ Lines = list[dict[str, Any]]
 def played(scenario: str = "plain", ticks: int = 400) -> Game:
     """A short game with moves, shots, a mortar round, an edit and a refused order."""
     game = Game(scenario, seed=9)
-    game.submit(
-        "red", [Move("tank0", ["1134", "1234"]), IndirectShoot("chariot0", "2037"), Hide("aerocraft0")]
-    )
+    orders = [Move("tank0", ["1134", "1234"]), IndirectShoot("chariot0", "2037"), Hide("aerocraft0")]
+    game.submit("red", orders, strict=False)
     game.advance(100)
     with game.edit() as state:
         state["blue:tank0"].cell = "1434"
         state["red:soldier0"].aboard = None
-    game.submit("red", [Shoot("tank0", "tank0", "GUN"), Decompress("soldier0")])
+    game.submit("red", [Shoot("tank0", "tank0", "GUN"), Decompress("soldier0")], strict=False)
     game.submit("blue", Shoot("tank0", "tank0", "GUN"))
     game.advance(ticks - 100)
     return game
@@ -108,7 +107,7 @@ def test_a_whole_game_with_its_map_fits_in_50_kb(tmp_path: Path) -> None:
                 piece for piece in game.view(camp).own if piece.doing == "settled" and piece.aboard is None
             ]
             orders: list[Order] = [Move(piece.name, ["E" if game.tick % 150 else "W"]) for piece in pieces]
-            game.submit(camp, orders)
+            game.submit(camp, orders, strict=False)  # some are stuck at the edge
         game.advance(25)
     Replay.of(game).save(tmp_path / "whole.hwr")
     assert (tmp_path / "whole.hwr").stat().st_size <= 50_000

@@ -33,7 +33,8 @@ Outcome = tuple[float, ...]  # win, margin, return, turns
 
 
 def vec_env(n_envs: int, **settings: Any) -> VecMonitor:
-    return make_vec_env(FLAT_ENV, n_envs, **{"decision_ticks": SHORT, "opponent": "random", **settings})
+    own = {"decision_ticks": SHORT, "opponent": "random", "seed": 0}
+    return make_vec_env(FLAT_ENV, n_envs, **{**own, **settings})
 
 
 def native(env: VecMonitor) -> FlatVecEnv:

@@ -38,7 +38,7 @@ def test_the_unseen_changes_no_byte_of_an_observation(camp: Camp, pick: Pick, sc
 
 
 def test_lights_on_shows_the_enemy_at_once() -> None:
-    dark, light = (TaskGames(1, TaskSettings(fog=fog)) for fog in (True, False))
+    dark, light = (TaskGames(1, TaskSettings(fog=fog), seed=0) for fog in (True, False))
     for games in (dark, light):
         games.begin(games.all)
     assert light.look(light.all)["obs"].tobytes() != dark.look(dark.all)["obs"].tobytes()

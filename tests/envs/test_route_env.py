@@ -354,7 +354,7 @@ def test_a_finished_route_is_terminated_and_any_other_truncated() -> None:
 
 def test_the_loss_of_the_piece_cuts_its_route() -> None:
     """A loss costs the camp; were it an end, it would save the rest of the way."""
-    games = RouteGames(1, route_settings(LONG_WALKS), "plain")
+    games = RouteGames(1, route_settings(LONG_WALKS), "plain", seed=0)
     games.begin(games.all)
     games.look()
     games.arena.state.pieces[0, games.focus.piece[0]].blood = 0
@@ -366,7 +366,7 @@ def test_the_loss_of_the_piece_cuts_its_route() -> None:
 
 
 def test_the_end_of_the_game_cuts_its_route_and_another_game_begins() -> None:
-    games = RouteGames(1, route_settings(LONG_WALKS), "plain")
+    games = RouteGames(1, route_settings(LONG_WALKS), "plain", seed=0)
     games.begin(games.all)
     games.look()
     game = games.arena.state.games[0]
@@ -404,7 +404,7 @@ def test_what_a_cut_route_shows_last_is_where_its_hop_leads() -> None:
 
 
 def test_the_next_route_is_that_of_the_next_piece_of_the_same_game() -> None:
-    games = RouteGames(1, route_settings({"keep_task": 0.0}), "plain")
+    games = RouteGames(1, route_settings({"keep_task": 0.0}), "plain", seed=0)
     games.begin(games.all)
     pieces, ticks = [int(games.focus.piece[0])], []
     while len(pieces) < 5:
@@ -437,7 +437,7 @@ def test_both_camps_get_routes() -> None:
 def test_walks_to_random_cells_lead_far_and_tasks_alone_to_few_places() -> None:
     goals: dict[float, set[tuple[float, ...]]] = {}
     for wander in (0.0, 1.0):
-        games = RouteGames(4, route_settings({"wander": wander, "side": "red"}), "plain")
+        games = RouteGames(4, route_settings({"wander": wander, "side": "red"}), "plain", seed=0)
         games.begin(games.all)
         goals[wander] = set()
         for _ in range(60):
@@ -523,7 +523,7 @@ def test_a_restored_env_goes_on_the_same() -> None:
 
 
 def test_the_monitor_keeps_whether_routes_were_finished() -> None:
-    env = make_vec_env(ROUTE_ENV, n_envs=2)
+    env = make_vec_env(ROUTE_ENV, n_envs=2, seed=0)
     obs, records = cast("Obs", env.reset()), []
     for _ in range(80):
         after, _, dones, infos = env.step(heuristic(obs))
@@ -550,7 +550,7 @@ class Taskmaster:
 def test_tasks_are_those_of_the_upper_level() -> None:
     """Row 1 of every set, and nothing else: no wandering, no keeping."""
     upper = Taskmaster(1)
-    games = RouteGames(2, route_settings({"upper": upper, "wander": 0.0, "keep_task": 0.0}), "plain")
+    games = RouteGames(2, route_settings({"upper": upper, "wander": 0.0, "keep_task": 0.0}), "plain", seed=0)
     games.begin(games.all)
     assert upper.calls > 0
     for b in range(2):
@@ -561,7 +561,9 @@ def test_tasks_are_those_of_the_upper_level() -> None:
 
 
 def test_a_new_game_begins_with_the_tasks_of_the_upper_level_too() -> None:
-    games = RouteGames(2, route_settings({"upper": Taskmaster(1), "wander": 0.0, "keep_task": 0.0}), "plain")
+    games = RouteGames(
+        2, route_settings({"upper": Taskmaster(1), "wander": 0.0, "keep_task": 0.0}), "plain", seed=0
+    )
     games.begin(games.all)
     while games.tasks.episodes.max() < 5:
         games.look()
@@ -575,7 +577,9 @@ def test_a_new_game_begins_with_the_tasks_of_the_upper_level_too() -> None:
 
 
 def test_kept_tasks_are_kept_whatever_the_upper_level_says() -> None:
-    games = RouteGames(2, route_settings({"upper": Taskmaster(1), "wander": 0.0, "keep_task": 1.0}), "plain")
+    games = RouteGames(
+        2, route_settings({"upper": Taskmaster(1), "wander": 0.0, "keep_task": 1.0}), "plain", seed=0
+    )
     games.begin(games.all)
     before = games.arena.plans[["kind", "target", "cell"]].copy()
     games.set_upper(Taskmaster(3))
@@ -718,7 +722,7 @@ def test_a_bad_setting_is_named(setting: dict[str, Any], message: str) -> None:
 )
 def test_an_unknown_name_is_refused(setting: dict[str, Any], message: str) -> None:
     with pytest.raises(UnknownNameError, match=message):
-        make_vec_env(ROUTE_ENV, **setting)
+        make_vec_env(ROUTE_ENV, **setting, seed=0)
 
 
 def test_an_upper_level_that_sends_nobody_anywhere_is_not_waited_for_without_end() -> None:

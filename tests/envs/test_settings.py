@@ -32,14 +32,14 @@ def test_a_bad_setting_is_named(setting: dict[str, Any], message: str) -> None:
 
 def test_an_unknown_env_is_refused() -> None:
     with pytest.raises(UnknownNameError, match="HexWarTask-v0"):
-        make_vec_env("HexWarTask-v1")
+        make_vec_env("HexWarTask-v1", seed=0)
 
 
 def test_an_unknown_opponent_is_refused() -> None:
     with pytest.raises(UnknownNameError, match="did you mean 'MA"):
-        make_vec_env("HexWarTask-v0", opponent="MA")
+        make_vec_env("HexWarTask-v0", opponent="MA", seed=0)
 
 
 def test_no_games_are_refused() -> None:
     with pytest.raises(ConfigError, match="n_envs"):
-        make_vec_env("HexWarTask-v0", n_envs=0)
+        make_vec_env("HexWarTask-v0", n_envs=0, seed=0)

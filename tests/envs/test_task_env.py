@@ -65,7 +65,7 @@ def test_stable_baselines3_makes_it_by_its_id() -> None:
 
 @pytest.mark.parametrize("actions", [np.zeros((1, 400), int), np.zeros(3, int), np.zeros((7, 1)), None])
 def test_actions_of_another_shape_are_refused(actions: Any) -> None:
-    env, batch = TaskEnv(decision_ticks=SHORT), make_vec_env(TASK_ENV, decision_ticks=SHORT)
+    env, batch = TaskEnv(decision_ticks=SHORT), make_vec_env(TASK_ENV, decision_ticks=SHORT, seed=0)
     env.reset(seed=0)
     batch.reset()
     for step in (env.step, batch.step):
@@ -108,7 +108,7 @@ class Stopper:
 
 
 def test_evaluate_policy_of_sb3_takes_it() -> None:
-    env = make_vec_env(TASK_ENV, n_envs=2, decision_ticks=SHORT)
+    env = make_vec_env(TASK_ENV, n_envs=2, decision_ticks=SHORT, seed=0)
     returns, lengths = evaluate_policy(Stopper(), env, n_eval_episodes=2, return_episode_rewards=True)  # type: ignore[arg-type]
     assert isinstance(lengths, list)
     assert lengths == [6, 6]
@@ -124,7 +124,7 @@ def test_stock_maskable_ppo_learns_and_plays() -> None:
     model.learn(24, callback=MaskableEvalCallback(judge, n_eval_episodes=2, eval_freq=6, verbose=0))
     assert "state" not in model.policy.observation_space.spaces  # type: ignore[attr-defined]
 
-    rival = make_vec_env(TASK_ENV, decision_ticks=SHORT, opponent=model)
+    rival = make_vec_env(TASK_ENV, decision_ticks=SHORT, opponent=model, seed=0)
     rival.reset()
     _, _, _, infos = rival.step(np.zeros((1, *env.action_space.shape), np.int64))  # type: ignore[misc]
     assert infos[0]["ticks"] == SHORT
@@ -192,7 +192,9 @@ def test_the_choice_of_the_reward_changes_nothing_that_is_observed(
     pick: Callable[[Any, int], NDArray[np.int64]],
 ) -> None:
     """The margin that a camp knows is eq. (1) in both: a policy that learned by the one plays by the other."""
-    envs = [make_vec_env(TASK_ENV, decision_ticks=SHORT, reward=reward) for reward in ("net", "paper")]
+    envs = [
+        make_vec_env(TASK_ENV, decision_ticks=SHORT, reward=reward, seed=0) for reward in ("net", "paper")
+    ]
     net, paper = (cast("Any", env.reset()) for env in envs)
     rewards = []
     for step in range(6):

@@ -24,7 +24,7 @@ MIXTURE = ["nearest", "random"]
 
 
 def vec_env(n_envs: int, **settings: Any) -> VecMonitor:
-    return make_vec_env("HexWarTask-v0", n_envs=n_envs, decision_ticks=TICKS, **settings)
+    return make_vec_env("HexWarTask-v0", n_envs=n_envs, decision_ticks=TICKS, **{"seed": 0, **settings})
 
 
 def native(env: VecMonitor) -> TaskVecEnv:

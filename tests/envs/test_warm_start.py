@@ -21,7 +21,7 @@ def test_the_hull_holds_the_hot_spots_and_no_lake() -> None:
 
 
 def test_the_learner_begins_to_decide_after_the_way() -> None:
-    games = TaskGames(2, TaskSettings(warm_start=1.0, opponent="random"))
+    games = TaskGames(2, TaskSettings(warm_start=1.0, opponent="random"), seed=0)
     games.begin(games.all)
     assert (games.arena.state.games.tick > WARM_TICKS - games.settings.decision_ticks).all()
     assert games.arena.due(games.all, games.camps).all()
@@ -29,7 +29,7 @@ def test_the_learner_begins_to_decide_after_the_way() -> None:
 
 
 def test_only_a_share_of_the_episodes_is_warm() -> None:
-    games = TaskGames(12, TaskSettings(warm_start=0.5, opponent="random"))
+    games = TaskGames(12, TaskSettings(warm_start=0.5, opponent="random"), seed=0)
     games.begin(games.all)
     warm = games.arena.state.games.tick > 0
     assert 0 < warm.sum() < 12

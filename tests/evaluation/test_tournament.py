@@ -88,7 +88,7 @@ def test_another_version_of_the_program_goes_on(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(("ticks", "message"), [("0", "at least 1"), ("40000", "at most 32767")])
 def test_a_policy_that_would_never_decide_is_refused(ticks: str, message: str, tmp_path: Path) -> None:
-    model = QMIX("TaskPolicy", make_vec_env(n_envs=1, privileged_state=True), seed=0, buffer_size=10)
+    model = QMIX("TaskPolicy", make_vec_env(n_envs=1, privileged_state=True, seed=0), seed=0, buffer_size=10)
     model.policy.freeze(decision_ticks=ticks).save(tmp_path / "policy")
     players = {"stranger": str(tmp_path / "policy"), "near": "nearest"}
     meetings = [Meeting(red="stranger", blue="near", scenario="plain")]
@@ -97,7 +97,7 @@ def test_a_policy_that_would_never_decide_is_refused(ticks: str, message: str, t
 
 
 def test_a_broken_policy_is_named_from_another_process(tmp_path: Path) -> None:
-    model = QMIX("TaskPolicy", make_vec_env(n_envs=1, privileged_state=True), seed=0, buffer_size=10)
+    model = QMIX("TaskPolicy", make_vec_env(n_envs=1, privileged_state=True, seed=0), seed=0, buffer_size=10)
     model.policy.freeze().save(tmp_path / "policy")
     (tmp_path / "policy" / "weights.safetensors").write_bytes(b"")
     with pytest.raises(PolicyFileError, match=r"weights\.safetensors: sha256: found other weights"):

@@ -78,7 +78,7 @@ def pipeline(tmp_path: Path) -> Table1:
         games=2,
         progress_games=2,
     )
-    env = make_vec_env(n_envs=1, privileged_state=True)
+    env = make_vec_env(n_envs=1, privileged_state=True, seed=0)
     for run in made.warm_ups():
         model = QMIX("TaskPolicy", env, seed=run.seed, buffer_size=10)
         as_member(model, side="both", scenario="plain").save(places.kept(run) / "policy")

@@ -33,7 +33,7 @@ TINY: dict[str, Any] = {
 def starters(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     """Two untrained models."""
     folder = tmp_path_factory.mktemp("starters")
-    env = make_vec_env(n_envs=1, privileged_state=True)
+    env = make_vec_env(n_envs=1, privileged_state=True, seed=0)
     for seed, name in enumerate(("one", "two")):
         model = QMIX("TaskPolicy", env, seed=seed, buffer_size=10)
         as_member(model, side="both", scenario="plain").save(folder / name)

@@ -101,7 +101,7 @@ def test_a_student_learns_whose_order_it_is(members: list[Member]) -> None:
     env = {**env_settings(Terms(games=1), 4), "side": "red"}
     student = QMIX(
         "TaskPolicy",
-        make_vec_env(**{**env, "opponent": "MA1"}),
+        make_vec_env(**{**env, "opponent": "MA1"}, seed=0),
         seed=5,
         buffer_size=10,
         policy_kwargs={"hidden": 32},
@@ -127,7 +127,9 @@ def test_the_same_seed_gives_the_same_student(members: list[Member]) -> None:
     school = School(lessons=Lessons(games=2, updates=3, batch_size=8), rounds=2)
 
     def learned(seed: int) -> FrozenPolicy:
-        student = QMIX("TaskPolicy", make_vec_env(**{**env, "opponent": "MA1"}), seed=5, buffer_size=10)
+        student = QMIX(
+            "TaskPolicy", make_vec_env(**{**env, "opponent": "MA1"}, seed=0), seed=5, buffer_size=10
+        )
         attend(student, members[0].policy(), Plan((None,), (0.5,)), [("MA2", 1.0)], env, school, seed)
         return student.policy.freeze()
 

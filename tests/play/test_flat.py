@@ -24,7 +24,7 @@ from hexwar_sb3.tasks.route import N_ANSWERS
 class Flat:
     """Model: an action by what the row says, one in three of them a direction."""
 
-    observation_space = spaces.Box(-1.0, 1.0, (5,))
+    observation_space = spaces.Box(-1.0, 1.0, (257 + MAX_TASKS * 36,))  # on plain
 
     def predict(self, rows: NDArray[Any], deterministic: bool = False) -> tuple[NDArray[np.int64], None]:
         assert deterministic
