@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from tests.attack import valid
-from tests.attack.oracle import Attempt, Wrong, check, check_said, play, said
+from tests.attack.oracle import Attempt, Wrong, act, check, check_said, play, said
 from tests.attack.tricks import Case, Trick, Tricks, byte_tricks, of_file, place_cases, rewrite
 from tests.attack.tricks_json import json_tricks, unhashed_tricks, with_value
 from tests.attack.tricks_replay import lines_of, replay_tricks, zstd_tricks
@@ -150,11 +150,11 @@ def replay_attempt(root: Path) -> Attempt:
 
     def attempt(folder: Path) -> None:
         path = folder / "game.hwr"
-        replay = Replay.load(path)
+        replay = act(lambda: Replay.load(path))
         check_lines(path)
         problem = show(replay)
         try:
-            replay.verify()
+            act(replay.verify)
         except Exception as error:
             error.__context__ = None
             raise
@@ -198,7 +198,7 @@ def show(replay: Any) -> Exception | None:
         lambda: save_game_picture(replay, picture),
     ):
         try:
-            use()
+            act(use)
         except (HexWarError, OSError) as error:
             problem = problem or error
     return problem
@@ -216,10 +216,10 @@ def camp_attempt(_: Path) -> Attempt:
         from hexwar_sb3.engine.replay import Replay
         from hexwar_sb3.errors import ReplayFileError
 
-        replay = Replay.load(folder / "red.hwr")
+        replay = act(lambda: Replay.load(folder / "red.hwr"))
         check_lines(folder / "red.hwr")
         try:
-            replay.verify()
+            act(replay.verify)
         except ReplayFileError:
             problem = show(replay)
             if problem is not None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from fnmatch import fnmatch
 from functools import partial
 from pathlib import Path
 
@@ -57,6 +58,10 @@ class Loader:
     cases: Callable[[Path], Iterator[Case]]
     prepare: Callable[[Path], Attempt]
     leaves: tuple[str, ...] = (".lock", "*.lock")  # what loading may leave beside the files
+
+    def may_leave(self, name: str) -> bool:
+        """Whether a file of this name may lie there afterwards."""
+        return any(fnmatch(part, pattern) for part in Path(name).parts for pattern in self.leaves)
 
 
 ANYTHING = ("*",)

@@ -4,13 +4,12 @@
     python tests/attack/run.py --loader QMIX --most 0     all of one loader
     python tests/attack/run.py --loader QMIX --case 17    one of them, with its traceback
 
-Each loader works in a process of its own, which is started again when a file kills it or it does not answer.
+The loaders work in another process, which is started again when a file kills it or it does not answer.
 """
 
 from __future__ import annotations
 
 import argparse
-import fnmatch
 import json
 import os
 import select
@@ -21,6 +20,7 @@ import sys
 import tempfile
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import closing, suppress
 from dataclasses import asdict, dataclass
 from functools import partial
 from pathlib import Path
@@ -72,10 +72,10 @@ class Outcome:
 
 
 class Worker:
-    """A process that loads one kind of file, started again when it is gone."""
+    """A process that loads files, started again when it is gone."""
 
-    def __init__(self, loader: Loader, root: Path, place: Path) -> None:
-        self.loader, self.root, self.place = loader, root, place
+    def __init__(self, root: Path, place: Path) -> None:
+        self.root, self.place = root, place
         self.process: subprocess.Popen[str] | None = None
         for folder in ("work", "elsewhere", "tmp", "case"):
             (place / folder).mkdir(parents=True)
@@ -95,15 +95,15 @@ class Worker:
         Raises:
             RuntimeError: it does not start.
         """
-        if self.process is None or self.process.poll() is not None:
-            script = [sys.executable, worker.__file__, self.loader.name, str(self.root)]
+        if self.process is None:
+            script = [sys.executable, worker.__file__, str(self.root)]
             with (self.place / "errors").open("a", encoding="utf-8") as errors:
                 pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "stderr": errors}
                 where = {"cwd": self.place / "work", "env": self.environment}
                 self.process = subprocess.Popen(script, text=True, **pipes, **where)  # type: ignore[call-overload]
             if self.answer(START_SECONDS) != "ready":
                 last = (self.place / "errors").read_text(encoding="utf-8")[-1000:]
-                raise RuntimeError(f"{self.loader.name}: no worker: {last}")
+                raise RuntimeError(f"no worker: {last}")
         return self.process
 
     def answer(self, seconds: float) -> str | None:
@@ -114,34 +114,34 @@ class Worker:
             return None
         return self.process.stdout.readline().strip()
 
-    def attack(self, number: int, case: Case) -> Outcome:
+    def attack(self, loader: Loader, number: int, case: Case) -> Outcome:
         """Spoil a copy of the valid folder and let it be loaded; what costs too much must do so twice."""
-        found = self._once(number, case)
+        found = self._once(loader, number, case)
         if {"over time", "over memory"} & set(found.faults) and found.kind not in ("signal", "over time"):
-            again = self._once(number, case)
+            again = self._once(loader, number, case)
             found.seconds = min(found.seconds, again.seconds)
             found.megabytes = min(found.megabytes, again.megabytes)
         return found
 
-    def unspoilt(self) -> Outcome:
+    def unspoilt(self, loader: Loader) -> Outcome:
         """The valid files themselves must be taken; the first load of all may take its time."""
-        outcome = self._once(-1, AS_IT_IS)
+        outcome = self._once(loader, -1, AS_IT_IS)
         if outcome.kind == "refused":
             outcome.kind = "wrong"
         outcome.seconds = outcome.megabytes = 0.0
         return outcome
 
-    def _once(self, number: int, case: Case) -> Outcome:
+    def _once(self, loader: Loader, number: int, case: Case) -> Outcome:
         folder = self.place / "case" / "it"
         remove(folder)
-        spoil(self.loader, self.root, case, folder)
+        spoil(loader, self.root, case, folder)
         names, process = set(tree(folder)), self.started()
         self.mark.unlink(missing_ok=True)
         assert process.stdin is not None
-        process.stdin.write(json.dumps(str(folder)) + "\n")
+        process.stdin.write(json.dumps([loader.name, str(folder)]) + "\n")
         process.stdin.flush()
-        outcome = self._read(Outcome(self.loader.name, number, case.name, "accepted"), process)
-        outcome.executed, outcome.stray = self.mark.exists(), self._strays(folder, names)
+        outcome = self._read(Outcome(loader.name, number, case.name, "accepted"), process)
+        outcome.executed, outcome.stray = self.mark.exists(), self._strays(loader, folder, names)
         return outcome
 
     def _read(self, outcome: Outcome, process: subprocess.Popen[str]) -> Outcome:
@@ -152,17 +152,17 @@ class Worker:
         elif answer is None:
             outcome.kind, outcome.seconds = "over time", WALL_SECONDS
             outcome.detail = f"no answer in {WALL_SECONDS:.0f} s"
-            process.kill()
-            process.wait()
+            self.close()
         else:
             code = process.wait()
             outcome.kind = "signal"
             outcome.detail = signal.Signals(-code).name if code < 0 else f"exit code {code}"
+            self.close()
         return outcome
 
-    def _strays(self, folder: Path, names: set[str]) -> str:
+    def _strays(self, loader: Loader, folder: Path, names: set[str]) -> str:
         """What was written where nothing should be; outside of the case's folder it is removed."""
-        found = [name for name in set(tree(folder)) - names if not self._may_be(name)]
+        found = [name for name in set(tree(folder)) - names if not loader.may_leave(name)]
         for place, own in (("elsewhere", ""), ("work", valid.SCENARIO)):
             for path in (self.place / place).iterdir():
                 if path.name != own:
@@ -172,15 +172,13 @@ class Worker:
         (self.place / "tmp").mkdir()
         return ", ".join(sorted(found)[:3])
 
-    def _may_be(self, name: str) -> bool:
-        parts = Path(name).parts
-        return any(fnmatch.fnmatch(part, pattern) for part in parts for pattern in self.loader.leaves)
-
     def close(self) -> None:
         """End the process."""
         if self.process is not None:
             self.process.kill()
-            self.process.communicate()
+            with suppress(BrokenPipeError):
+                self.process.communicate()
+            self.process = None
 
 
 def spoil(loader: Loader, root: Path, case: Case, folder: Path) -> None:
@@ -209,17 +207,14 @@ def attacked(
 ) -> list[Outcome]:
     """Attack some loaders with so many files each; 0 is all of them."""
     found = []
-    with tempfile.TemporaryDirectory(prefix="attack-") as place:
-        for name in loaders:
-            own, cases = Worker(LOADERS[name], root, Path(place) / name), cases_of(name, root)
-            try:
-                found.append(own.unspoilt())
+    with tempfile.TemporaryDirectory(prefix="attack-") as place, closing(Worker(root, Path(place))) as own:
+        for loader in map(LOADERS.__getitem__, loaders):
+            cases = cases_of(loader.name, root)
+            found.append(own.unspoilt(loader))
+            tell(found[-1])
+            for number in dealt(cases, seed, most or len(cases)):
+                found.append(own.attack(loader, number, cases[number]))
                 tell(found[-1])
-                for number in dealt(cases, seed, most or len(cases)):
-                    found.append(own.attack(number, cases[number]))
-                    tell(found[-1])
-            finally:
-                own.close()
     return found
 
 
@@ -285,7 +280,7 @@ def tell_fault(outcome: Outcome) -> None:
 def reproduce(name: str, number: int, root: Path) -> int:
     """Try one case in this process and let its error go."""
     with tempfile.TemporaryDirectory(prefix="attack-") as place:
-        own, folder = Worker(LOADERS[name], root, Path(place)), Path(place) / "case" / "it"
+        own, folder = Worker(root, Path(place)), Path(place) / "case" / "it"
         os.environ.update(own.environment)
         case = cases_of(name, root)[number] if number >= 0 else AS_IT_IS
         say(f"{name} {number}: {case.name}")

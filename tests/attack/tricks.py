@@ -180,12 +180,13 @@ def copied_over(name: str, source: Path, target: str) -> Case:
 
 def dealt(cases: Sequence[Case], seed: int, most: int) -> list[int]:
     """Numbers of so many cases, drawn from all families alike."""
-    rng, hands = random.Random(seed), dict[str, list[int]]()
+    rng, families = random.Random(f"{seed}, {len(cases)}"), dict[str, list[int]]()
     for number, case in enumerate(cases):
-        hands.setdefault(case.family, []).append(number)
-    for hand in hands.values():
+        families.setdefault(case.family, []).append(number)
+    hands, found = list(families.values()), list[int]()
+    rng.shuffle(hands)
+    for hand in hands:
         rng.shuffle(hand)
-    found: list[int] = []
-    while len(found) < most and any(hands.values()):
-        found.extend(hand.pop() for hand in hands.values() if hand)
+    while len(found) < most and any(hands):
+        found.extend(hand.pop() for hand in hands if hand)
     return sorted(found[:most])
