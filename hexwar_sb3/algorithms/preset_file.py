@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from hexwar_sb3.algorithms.presets import LEARNER, PARTS, PRESETS, WIDTHS, Preset
-from hexwar_sb3.algorithms.ranges import check_ranges
+from hexwar_sb3.algorithms.ranges import check_settings
 from hexwar_sb3.checks import check_whole
 from hexwar_sb3.errors import ConfigError, FileFormatError, HexWarError, UnknownNameError
 from hexwar_sb3.files import write_json
@@ -115,8 +115,8 @@ def check_preset(preset: Preset) -> None:
         raise ConfigError(f"tie must be finite and at least 0, got {preset.tie}")
     TaskSettings(**preset.env)
     RouteSettings(**preset.route)
-    check_ranges(preset.learner)
-    check_ranges(preset.lower_learner)
+    for part in ("learner", "lower_learner"):
+        check_settings(getattr(preset, part), _owner(part).settings)
 
 
 def _checked_part(path: Path, part: str, values: dict[str, Any]) -> dict[str, Any]:
@@ -142,7 +142,7 @@ def _check_part(path: Path, part: str, values: dict[str, Any]) -> None:
             _check_value(path, place, value, kinds[name])
 
 
-def _owner(part: str) -> type:
+def _owner(part: str) -> Any:
     """Whose arguments the settings of a part are."""
     from hexwar_sb3.algorithms.masked_dqn import MaskedDQN
     from hexwar_sb3.algorithms.qmix import QMIX

@@ -187,6 +187,16 @@ def setting(name: str, value: Any, kind: Kind) -> Any:
         raise misfit.as_setting() from None
 
 
+def check_settings(values: Mapping[str, Any], table: Table) -> None:
+    """Check settings by their table; what is not in it is let through.
+
+    Raises:
+        ConfigError: one is of another kind, or out of its range.
+    """
+    for name in values.keys() & table.keys():
+        setting(name, values[name], table[name])
+
+
 def optional(kind: Kind) -> Kind:
     """None, or of a kind."""
     return lambda value: None if value is None else kind(value)

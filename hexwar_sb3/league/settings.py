@@ -7,7 +7,7 @@ from typing import Any
 
 from hexwar_sb3.algorithms.preset_file import is_plain, kinds_of
 from hexwar_sb3.algorithms.qmix import QMIX
-from hexwar_sb3.algorithms.ranges import check_ranges
+from hexwar_sb3.algorithms.ranges import check_settings
 from hexwar_sb3.bots.registry import BOTS
 from hexwar_sb3.checks import check_whole
 from hexwar_sb3.envs.settings import check_share
@@ -138,7 +138,7 @@ class LeagueSettings:
                 raise UnknownNameError("argument of the learner", name, LEARNS_BY)
             if not is_plain(value, kinds[name]):
                 raise ConfigError(f"{name} of the learner is a number or a name, got {value!r}")
-        check_ranges(self.learner)
+        check_settings(self.learner, QMIX.settings)
         for name, most in MOST.items():
             check_whole(f"{name} of the learner", self.learner.get(name, 1), least=1, most=most)
 
