@@ -161,14 +161,15 @@ class Cache:
             return
         with suppress(OSError):
             (place / _PRUNED).touch()
+        emptied: set[Path] = set()
         for path in _ours(place):
             if _used_at(path) < now - KEPT_DAYS * _DAY:
                 with suppress(OSError):
                     path.unlink()
-        for pattern in reversed(_FOLDERS):
-            for folder in place.glob(pattern):
-                with suppress(OSError):
-                    folder.rmdir()  # if it is empty
+                    emptied |= set(path.relative_to(place).parents) - {Path()}
+        for folder in sorted(emptied, reverse=True):
+            with suppress(OSError):
+                (place / folder).rmdir()  # if nothing else lies there
 
 
 def cache_root() -> Path | None:

@@ -366,10 +366,13 @@ def fill(root: Path, names: tuple[str, ...], days: float) -> None:
 def test_what_nobody_used_for_a_month_is_removed_and_nothing_else(tmp_path: Path) -> None:
     fill(tmp_path, OURS + OTHERS, days=31)
     (tmp_path / "kernels-fedcba9876543210").symlink_to(tmp_path / "other")
+    (tmp_path / "kernels-empty").mkdir()
     Cache(tmp_path).prune()
     left = {path.relative_to(tmp_path).as_posix() for path in tmp_path.rglob("*") if path.is_file()}
     assert left >= set(OTHERS)
     assert not left & set(OURS)
+    assert (tmp_path / "kernels-empty").is_dir()
+    assert not (tmp_path / "kernels-0123456789abcdef" / "engine_0123456789").exists()
 
 
 def test_what_was_used_within_a_month_stays(tmp_path: Path) -> None:

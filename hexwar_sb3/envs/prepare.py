@@ -13,6 +13,10 @@ from hexwar_sb3.kernels import compiles, source_hash, sources_of, toolchain
 
 _BEGIN = "from hexwar_sb3.engine.world import load_world; load_world('plain').eta"
 _PART = "from hexwar_sb3.envs.prepare import compile_part; compile_part({!r})"
+_END_WITH_PARENT = (
+    "import os, threading; "
+    "threading.Thread(target=lambda: os.read(0, 1) or os._exit(1), daemon=True).start(); "
+)
 _PARTS = ("play", "look")  # about 80 and 25 s of one core
 
 
@@ -56,21 +60,28 @@ def _kernels() -> list[str]:
 
 def _compile() -> bool:
     """Compile all parts, side by side; whether it went well."""
-    start(_BEGIN).wait()
-    workers = [start(_PART.format(part)) for part in _PARTS]
+    return _run([_BEGIN]) and _run([_PART.format(part) for part in _PARTS])
+
+
+def _run(codes: list[str]) -> bool:
+    """Run pieces of code side by side; whether all of them ended well."""
+    workers = [start(code) for code in codes]
     try:
-        codes = [worker.wait() for worker in workers]
+        ended = [worker.wait() for worker in workers]
     finally:
         for worker in workers:
             worker.kill()
-    return not any(codes)
+            with worker:  # closes its pipe
+                pass
+    return not any(ended)
 
 
 def start(code: str) -> subprocess.Popen[bytes]:
-    """Run code in a process of its own, with the same package and the same cache."""
+    """Run code in a process of its own, with the same package and the same cache; it ends with this one."""
     path = os.pathsep.join(str(Path(entry).absolute()) for entry in sys.path)  # "" is where we are
     env = {**os.environ, "PYTHONPATH": path, "HEXWAR_CACHE": str(cache().place)}
-    return subprocess.Popen([sys.executable, "-P", "-c", code], env=env)  # noqa: S603  our own code
+    command = [sys.executable, "-P", "-c", _END_WITH_PARENT + code]
+    return subprocess.Popen(command, env=env, stdin=subprocess.PIPE)  # noqa: S603  our own code
 
 
 def compile_part(part: str) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import select
 import subprocess
 import sys
 from pathlib import Path
@@ -119,7 +120,23 @@ def test_processes_import_the_same_package_from_anywhere(
     (tmp_path / "hexwar_sb3" / "__init__.py").write_text("raise SystemExit(5)")
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(sys, "path", [entry for entry in sys.path if entry])
-    assert prepare.start("import hexwar_sb3").wait() == 0
+    with prepare.start("import hexwar_sb3") as worker:
+        assert worker.wait() == 0
+
+
+def test_processes_end_with_the_one_that_started_them() -> None:
+    """Killed, it leaves nobody who compiles on."""
+    code = (
+        "from hexwar_sb3.envs.prepare import start; "
+        "worker = start('import time; time.sleep(600)'); print('started', flush=True); worker.wait()"
+    )
+    with subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE) as parent:
+        assert parent.stdout is not None
+        assert parent.stdout.readline() == b"started\n"
+        parent.kill()
+        closed, _, _ = select.select([parent.stdout], [], [], 60)
+        assert closed  # the child held it, and is gone
+        assert parent.stdout.read() == b""
 
 
 @pytest.mark.parametrize("part", ["play", "look"])
