@@ -118,9 +118,18 @@ class SelfPlayCallback(EverySteps):
 
 
 def frozen_copy(model: BaseAlgorithm) -> Player:
-    """A player that stays as the model is now, whatever the model learns."""
+    """A player that stays as the model is now, whatever the model learns.
+
+    Raises:
+        ConfigError: it learns from normalised observations, and a player gets them as they are.
+    """
     if isinstance(model, QMIX):
         return model.policy.freeze()
+    normaliser = model.get_vec_normalize_env()
+    if normaliser is not None and normaliser.norm_obs:
+        raise ConfigError(
+            "a copy of a model plays on observations as they are: leave VecNormalize's norm_obs out"
+        )
     policy = type(model.policy)(**model.policy._get_constructor_parameters())  # noqa: SLF001  # as SB3 loads it
     policy.load_state_dict(model.policy.state_dict())
     policy.set_training_mode(False)

@@ -3,22 +3,28 @@
 from __future__ import annotations
 
 import hashlib
+import io
+import json
+import zipfile
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, cast
 
+import gymnasium
 import numpy as np
 import pytest
 import torch
-from stable_baselines3.common.callbacks import BaseCallback
+from stable_baselines3.common.callbacks import BaseCallback, CallbackList, EvalCallback, EveryNTimesteps
 from stable_baselines3.common.logger import Logger
-from stable_baselines3.common.vec_env import VecEnv
+from stable_baselines3.common.off_policy_algorithm import OffPolicyAlgorithm
+from stable_baselines3.common.vec_env import VecEnv, VecNormalize
 
 from hexwar_sb3.algorithms import hierarchical
 from hexwar_sb3.algorithms.checkpoint import load_checkpoint, save_checkpoint
 from hexwar_sb3.algorithms.hierarchical import HierarchicalQMIX
 from hexwar_sb3.algorithms.presets import PRESETS
 from hexwar_sb3.algorithms.qmix import QMIX
+from hexwar_sb3.callbacks.trial_eval import TrialEvalCallback
 from hexwar_sb3.envs.registration import make_vec_env
 from hexwar_sb3.errors import CheckpointError, ConfigError
 from hexwar_sb3.play.lower_policy import HEURISTIC_LOWER, FrozenLower, fastest_way_network
@@ -285,7 +291,242 @@ def test_a_zip_of_other_levels_says_who_reads_it(tmp_path: Path) -> None:
     model().save(tmp_path / "two")
     QMIX("TaskPolicy", games(), **UPPER).save(tmp_path / "one")
 
-    with pytest.raises(CheckpointError, match=r"found two levels; expected HierarchicalQMIX\.load"):
+    with pytest.raises(CheckpointError, match=r"found 'HierarchicalQMIX'; .*HierarchicalQMIX\.load reads it"):
         QMIX.load(tmp_path / "two")
-    with pytest.raises(CheckpointError, match=r"found one level; expected QMIX\.load"):
+    with pytest.raises(CheckpointError, match=r"found 'QMIX'; .*QMIX\.load reads it"):
         HierarchicalQMIX.load(tmp_path / "one")
+
+
+def task_env(n_envs: int = 2, **settings: Any) -> VecEnv:
+    return make_vec_env(n_envs=n_envs, privileged_state=True, **settings)
+
+
+def led_by(env: Any) -> Any:
+    return env.get_attr("lower_level")[0] if isinstance(env, VecEnv) else env.unwrapped.lower_level
+
+
+def leading() -> HierarchicalQMIX:
+    """A model whose own lower level leads."""
+    owner = HierarchicalQMIX("HierarchicalPolicy", task_env(), buffer_size=100, seed=0)
+    owner.lead_with(fastest_way_network())
+    return owner
+
+
+def test_evaluations_are_led_as_the_model_is() -> None:
+    """`EvalCallback`s with envs of their own, wherever they lie among the callbacks; later leaders, too."""
+    envs = [task_env(1) for _ in range(4)]
+    inner = EvalCallback(envs[1], eval_freq=100, verbose=0)
+    callbacks = [
+        EvalCallback(envs[0], eval_freq=100, verbose=0),
+        CallbackList([EveryNTimesteps(50, inner)]),
+        TrialEvalCallback(envs[2], Trial(), eval_freq=100),
+        EvalCallback(
+            task_env(1), eval_freq=100, callback_after_eval=EvalCallback(envs[3], verbose=0), verbose=0
+        ),
+    ]
+    over_network = QMIX("TaskPolicy", task_env(lower=fastest_way_network()), buffer_size=100)
+    for owner in (leading(), over_network):
+        for env in envs:
+            env.env_method("set_lower", HEURISTIC_LOWER)
+        owner.learn(2, callback=callbacks)
+        assert all(led_by(env) is owner.policy.lower for env in envs)
+    owner = leading()
+    owner.learn(2, callback=callbacks)
+    owner.lead_with(fastest_way_network())
+    assert all(led_by(env) is owner.policy.lower for env in envs)
+
+
+class Trial:
+    def report(self, value: float, step: int) -> None:
+        """Hear of an evaluation."""
+
+    def should_prune(self) -> bool:
+        return False
+
+
+def test_a_loop_of_ones_own_is_led_or_warned_of(tmp_path: Path) -> None:
+    """The heuristic leads in a new env, whatever a model's lower level would do."""
+    leading().save(tmp_path / "model")
+    with_env = HierarchicalQMIX.load(tmp_path / "model", env=(own := task_env()))
+    assert led_by(own) is with_env.policy.lower
+
+    loaded = HierarchicalQMIX.load(tmp_path / "model")
+    env = task_env()
+    observation = cast("dict[str, np.ndarray]", env.reset())
+    with pytest.warns(UserWarning, match=r"the heuristic leads the pieces: model.lead\(env\)"):
+        loaded.predict(observation, deterministic=True)
+    loaded.predict(observation, deterministic=True)  # once
+
+    loaded = HierarchicalQMIX.load(tmp_path / "model")
+    single = gymnasium.make("HexWarTask-v0", scenario="plain")
+    assert loaded.lead(env) is env
+    assert loaded.lead(single) is single
+    assert led_by(env) is led_by(single) is loaded.policy.lower
+    loaded.predict(observation, deterministic=True)  # without a warning
+    for wrong in (gymnasium.make("CartPole-v1"), "env", None):
+        with pytest.raises(ConfigError, match="nobody leads pieces in"):
+            loaded.lead(wrong)
+
+
+def test_a_model_over_anothers_network_keeps_it_in_its_zip(tmp_path: Path) -> None:
+    network = fastest_way_network()
+    QMIX("TaskPolicy", task_env(lower=network), buffer_size=100).save(tmp_path / "model")
+
+    frozen = QMIX.load(tmp_path / "model").policy.freeze()
+
+    assert isinstance(frozen.lower, FrozenLower)
+    assert all(np.array_equal(frozen.lower.weights[name], one) for name, one in network.weights.items())
+    with pytest.warns(UserWarning, match="the heuristic leads the pieces of its env now"):
+        QMIX.load(tmp_path / "model", env=task_env())
+    assert QMIX.load(tmp_path / "model", env=task_env(lower=network)).policy.lower is network
+
+
+def test_a_leader_comes_back_as_it_was(tmp_path: Path) -> None:
+    """One that was taken over may read another state, and have other ties, than the model's own."""
+    owner = leading()
+    owner.lead_with(FrozenLower(fastest_way_network().weights, ways=False, tie=0.125))
+    owner.save(tmp_path / "model")
+
+    lower = HierarchicalQMIX.load(tmp_path / "model").policy.lower
+
+    assert isinstance(lower, FrozenLower)
+    assert (lower.ways, lower.tie) == (False, 0.125)
+
+
+WRONG: list[Any] = [{"x": 1}, [[1]], "x", -5, 10**18, None, True, {":type:": "x", ":serialized:": "x"}]
+
+
+def test_every_value_of_both_levels_is_of_its_kind_and_in_its_range(tmp_path: Path) -> None:
+    path = tmp_path / "model.zip"
+    leading().save(path)
+    with zipfile.ZipFile(path) as archive:
+        parts = {name: archive.read(name) for name in archive.namelist()}
+    data = json.loads(parts["data"])
+    nested = {
+        "lower_counters": {**data["lower_counters"], "x": 1},
+        "lower_kwargs": {"policy_kwargs": {"net_arch": [4096] * 16}},
+        "route_kwargs": {"n_envs": 10**9},
+        "leading": {"ways": True, "tie": float("1e999")},
+        "leads": None,
+    }
+    names = set(HierarchicalQMIX.settings) - set(QMIX.settings) | set(HierarchicalQMIX.state) - set(
+        QMIX.state
+    )
+    changes = [{name: value} for name in sorted(names) for value in WRONG] + [
+        {name: one} for name, one in nested.items()
+    ]
+    changes += [
+        {"route_kwargs": {name: value}}
+        for name, value in (
+            ("lower", {}),
+            ("scenario", {}),
+            ("spots", 10**9),
+            ("beta", "x"),
+            ("x", 1),
+            ("side", "up"),
+        )
+    ]
+    changes += [
+        {"lower_kwargs": {name: value}} for name, value in (("seed", 1), ("device", "x"), ("gamma", "x"))
+    ]
+    kept = []
+    for change in changes:
+        file = io.BytesIO()
+        with zipfile.ZipFile(file, "w") as archive:
+            for name, content in {**parts, "data": json.dumps({**data, **change}).encode()}.items():
+                archive.writestr(name, content)
+        try:
+            HierarchicalQMIX.load(file)
+        except CheckpointError:
+            continue
+        kept.append(change)
+    assert kept == [{"leads": True}, {"lower_first": True}, {"tie": 10**18}]
+
+
+@pytest.mark.parametrize("missing", ["leader", "lower.policy", "lower.policy.optimizer"])
+def test_a_zip_without_a_part_of_the_lower_level_is_refused(tmp_path: Path, missing: str) -> None:
+    """It would play by the heuristic, and say nothing."""
+    path = tmp_path / "model.zip"
+    leading().save(path)
+    with zipfile.ZipFile(path) as archive:
+        parts = {name: archive.read(name) for name in archive.namelist() if name != f"{missing}.safetensors"}
+    with zipfile.ZipFile(path, "w") as archive:
+        for name, content in parts.items():
+            archive.writestr(name, content)
+
+    with pytest.raises(CheckpointError, match=f"{missing}.*found nothing"):
+        HierarchicalQMIX.load(path)
+
+
+def test_a_zip_of_an_earlier_version_is_read_with_trust_alone(tmp_path: Path) -> None:
+    """As SB3's own `save` writes it, with the weights of the leader among the plain values."""
+    owner = leading()
+    owner.leader = {name: one.tolist() for name, one in fastest_way_network().weights.items()}  # type: ignore[attr-defined]
+    owner.lower_counters = dict.fromkeys(("num_timesteps", "_n_calls", "_n_updates", "_episode_num"), 3)
+    again = (
+        "lr_schedule",
+        "train_freq",
+        "rng",
+        "explorer",
+        "current",
+        "game_log",
+        "learner",
+        "lower",
+        "lower_env",
+        "leads",
+    )
+    OffPolicyAlgorithm.save(owner, tmp_path / "old.zip", exclude=again)
+
+    with pytest.raises(CheckpointError, match="of an earlier version"):
+        HierarchicalQMIX.load(tmp_path / "old.zip")
+    loaded = HierarchicalQMIX.load(tmp_path / "old.zip", env=(env := task_env()), trust=True)
+
+    assert sha256(loaded) == sha256(owner)
+    assert loaded.lower.num_timesteps == 3
+    assert loaded.leads
+    assert led_by(env) is loaded.policy.lower
+
+
+def test_what_can_be_trained_with_can_be_saved_and_loaded(tmp_path: Path) -> None:
+    options = {
+        "phase_ticks": [np.int64(9_000), 4_000.0],
+        "tie": np.float32(0.5),
+        "lower_first": np.bool_(False),
+        "lower_kwargs": {"batch_size": np.int64(16), "buffer_size": 500},
+        "route_kwargs": {
+            "scenario": [Path("plain")],
+            "beta": np.float64(0.1),
+            "gain_limit": np.inf,
+            "n_envs": np.int8(4),
+        },
+    }
+    owner = HierarchicalQMIX("HierarchicalPolicy", task_env(), buffer_size=100, **options)  # type: ignore[arg-type]
+    owner.save(tmp_path / "model")
+
+    loaded = HierarchicalQMIX.load(tmp_path / "model")
+
+    for one in (owner, loaded):
+        assert (one.phase_ticks, one.tie, one.lower_first) == ((9_000, 4_000), 0.5, False)
+        assert one.lower.batch_size == 16
+        assert one.route_kwargs == {"scenario": ["plain"], "beta": 0.1, "gain_limit": np.inf, "n_envs": 4}
+
+
+def test_a_normalised_route_env_is_refused() -> None:
+    routes = make_vec_env("HexWarRoute-v0", n_envs=2)
+
+    with pytest.raises(ConfigError, match="lower_env is a route env as it is, got one in VecNormalize"):
+        model(lower_env=VecNormalize(routes, norm_obs_keys=["obs"]), route_kwargs={}, lower_kwargs={})
+
+
+def test_a_seed_that_is_set_later_reaches_both_levels() -> None:
+    """Two models of the same weights, each with a generator of its own, learn the same."""
+    trained = []
+    start = model(seed=None)
+    for _ in range(2):
+        owner = model(seed=None)
+        owner.policy.load_state_dict(start.policy.state_dict())
+        owner.lower.policy.load_state_dict(start.lower.policy.state_dict())
+        owner.set_random_seed(7)
+        trained.append(sha256(owner.learn(STEPS // 2)))
+
+    assert trained[0] == trained[1]

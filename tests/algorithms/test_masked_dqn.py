@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import base64
 import copy
 import io
 import json
-import pickle
 import zipfile
 from collections.abc import Callable
 from pathlib import Path
@@ -21,10 +19,13 @@ from numpy.typing import NDArray
 from stable_baselines3.common.callbacks import BaseCallback
 from stable_baselines3.common.env_util import make_vec_env
 from stable_baselines3.common.evaluation import evaluate_policy
-from stable_baselines3.common.vec_env import VecEnv, VecNormalize
+from stable_baselines3.common.off_policy_algorithm import OffPolicyAlgorithm
+from stable_baselines3.common.vec_env import VecCheckNan, VecEnv, VecNormalize
 
 from hexwar_sb3.algorithms.masked_dqn import MaskedDQN, MaskedQRDQN
-from hexwar_sb3.errors import CheckpointError, ConfigError, TrainingError
+from hexwar_sb3.envs.registration import make_vec_env as make_routes
+from hexwar_sb3.errors import CheckpointError, ConfigError, TrainingError, UnknownSettingError
+from hexwar_sb3.policies.masked import MaskedDQNPolicy, freeze_lower
 
 LEFT, RIGHT, TRAP = range(3)
 GOAL, LIMIT = 4, 12  # cell and steps of the corridor
@@ -162,9 +163,55 @@ def test_where_no_action_is_valid_any_is_drawn(make_model: MakeModel) -> None:
     assert set(make_model().random_actions(observations(*[[0, 0, 0]] * 100)).tolist()) == {0, 1, 2}
 
 
-def test_a_normalised_mask_is_refused(make_model: MakeModel) -> None:
-    with pytest.raises(TrainingError, match="the masks hold more than 0 and 1"):
-        make_model(env=VecNormalize(corridors())).learn(8)
+@pytest.mark.parametrize("wrap", [VecNormalize, lambda env: VecCheckNan(VecNormalize(env))])
+def test_a_normalised_mask_is_refused(
+    make_model: MakeModel, algorithm: type[Model], tmp_path: Path, wrap: Callable[[VecEnv], VecEnv]
+) -> None:
+    model = make_model()
+    model.save(tmp_path / "model.zip")
+    for use in (
+        lambda env: make_model(env=env),
+        model.set_env,
+        lambda env: algorithm.load(tmp_path / "model.zip", env=env),
+    ):
+        with pytest.raises(ConfigError, match="norm_obs_keys without 'action_mask'"):
+            use(wrap(corridors()))
+
+
+def test_masks_that_are_none_are_refused(make_model: MakeModel) -> None:
+    """An env of one's own may be normalised where nobody looks."""
+    observation = observations([1, 1, 0])
+    observation["action_mask"] = observation["action_mask"] - 0.5
+
+    for deterministic in (True, False):
+        with pytest.raises(TrainingError, match="a wrapper changed them"):
+            make_model().predict(observation, deterministic=deterministic)
+
+
+def test_what_acts_and_what_learns_see_the_same_normalised_features(make_model: MakeModel) -> None:
+    """The replay keeps what the env gave, and normalises when it is drawn; masks stay."""
+    env = VecNormalize(corridors(), norm_obs_keys=["cell"], training=False)
+    env.obs_rms["cell"].mean[:], env.obs_rms["cell"].var[:] = 0.3, 0.25
+    model = make_model(env=env).learn(40)
+    assert model._last_obs is not None
+    seen = cast("Obs", model._last_obs)
+    drawn = model.replay_buffer._get_samples(np.arange(4), env=env)
+
+    expected = [round((x - 0.3) / (0.25 + 1e-8) ** 0.5, 5) for x in (0.0, 1.0)]
+    for features in (seen["cell"], drawn.observations["cell"].numpy()):
+        assert np.unique(features) == pytest.approx(expected, abs=1e-4)
+    assert set(drawn.observations["action_mask"].flatten().tolist()) <= {0.0, 1.0}
+
+
+def test_a_network_that_saw_normalised_features_is_not_frozen() -> None:
+    routes = make_routes("HexWarRoute-v0", n_envs=2, scenario=["plain"])
+    model = MaskedDQN("MaskedPolicy", VecNormalize(routes, norm_obs_keys=["obs"]), buffer_size=10)
+    file = io.BytesIO()
+    model.save(file)
+
+    for one in (model, MaskedDQN.load(file)):
+        with pytest.raises(ConfigError, match="what VecNormalize made of the observations"):
+            freeze_lower(cast("MaskedDQNPolicy", one.policy), ways=True)
 
 
 def test_epsilon_is_a_function_of_the_step_count(make_model: MakeModel) -> None:
@@ -277,44 +324,143 @@ def test_a_loaded_model_predicts_the_same(
     loaded.learn(40, reset_num_timesteps=False)
 
 
-class Bomb:
-    """Leaves a mark when it is unpickled."""
-
-    exploded = False
-
-    def __reduce__(self) -> tuple[object, tuple[type[Bomb], str, bool]]:
-        return setattr, (Bomb, "exploded", True)
+WRONG: list[Any] = [{"x": 1}, [[1]], "x", -5, -0.5, 10**18, None, True, {":type:": "x", ":serialized:": "x"}]
 
 
-@pytest.mark.parametrize("name", ["policy_class", "observation_space", "action_space"])
-def test_what_is_made_again_is_not_unpickled(
-    make_model: MakeModel, algorithm: type[Model], tmp_path: Path, name: str
-) -> None:
-    swap(make_model(), tmp_path / "model.zip", name, Bomb())
-
-    algorithm.load(tmp_path / "model.zip", env=corridors())
-
-    assert not Bomb.exploded
-
-
-def test_nothing_is_unpickled_without_trust(
+def test_every_value_of_a_zip_is_of_its_kind_and_in_its_range(
     make_model: MakeModel, algorithm: type[Model], tmp_path: Path
 ) -> None:
-    swap(make_model(), tmp_path / "model.zip", "gamma", Bomb())
+    """Whatever one of them is changed to, it is refused by name, or it is a value that a user may give, too."""
+    path = tmp_path / "model.zip"
+    make_model().save(path)
+    names = [name for name in parts_of(path)[1] if name != "left_out"]
+    taken = set()
+    for name in [*names, "predict", "tensorboard_log"]:
+        for value in WRONG:
+            file = io.BytesIO(changed(path, **{name: value}))
+            try:
+                loaded = algorithm.load(file)
+            except CheckpointError as error:
+                assert "data" in error.place  # noqa: PT017  # of many, one by one
+            else:
+                assert getattr(loaded, algorithm.attributes.get(name, name)) == value
+                taken.add(name)
+    assert taken <= {"seed", "final_learning_rate", "is_normalised", "learning_rate", "max_grad_norm"}
 
-    with pytest.raises(CheckpointError, match=r"pickled values \['gamma'\].*trust=True"):
-        algorithm.load(tmp_path / "model.zip")
-    assert not Bomb.exploded
 
-
-def test_a_learning_rate_that_is_a_function_needs_trust(
+def test_spaces_of_a_zip_are_boxes_that_a_file_can_hold(
     make_model: MakeModel, algorithm: type[Model], tmp_path: Path
 ) -> None:
-    make_model(learning_rate=lambda left: 1e-3 * left).save(tmp_path / "model.zip")
+    path = tmp_path / "model.zip"
+    make_model().save(path)
+    boxes = parts_of(path)[1]["boxes"]
+    cell = boxes["cell"]
+    for wrong in (
+        *({**cell, "shape": shape} for shape in ([10**9], [10**5, 10**5], [-1], [4], "x", [], [[5]], [5.5])),
+        *({**cell, "dtype": dtype} for dtype in ("O", "object", "S9", "complex64", 5, None)),
+        *({**cell, "low": low} for low in (["x"], [], [0, 0], [2.0], "x", 0, [10**400])),
+        *({**cell, "high": high} for high in ([-1.0], ["-inf"], [None])),
+        {},
+        [],
+    ):
+        with pytest.raises(CheckpointError, match=r"model: (data|policy)"):
+            algorithm.load(io.BytesIO(changed(path, boxes={**boxes, "cell": wrong})))
+    for wrong in ({}, {"cell": cell}, {"action_mask": boxes["action_mask"]}, {**boxes, "more": cell}):
+        with pytest.raises(CheckpointError):
+            algorithm.load(io.BytesIO(changed(path, boxes=wrong)))
 
-    with pytest.raises(CheckpointError, match=r"pickled values \['learning_rate'\]"):
+
+def test_layers_are_those_of_the_weights_before_memory_is_taken(
+    make_model: MakeModel, algorithm: type[Model], tmp_path: Path
+) -> None:
+    path = tmp_path / "model.zip"
+    make_model().save(path)
+    for net_arch in ([4096] * 16, [10**9], [64], [64, 64, 64], [], ["x"], [64] * 10_000, "x"):
+        with pytest.raises(CheckpointError):
+            algorithm.load(io.BytesIO(changed(path, policy_kwargs={"net_arch": net_arch})))
+
+
+def test_a_zip_of_an_earlier_version_is_read_with_trust_alone(
+    make_model: MakeModel, algorithm: type[Model], tmp_path: Path
+) -> None:
+    """As SB3's own `save` writes it."""
+    model = make_model(train_freq=3).learn(80)
+    again = ["lr_schedule", "train_freq", "rng", "replay_buffer_class", "exploration_schedule", "_last_obs"]
+    stats = ["batch_norm_stats", "batch_norm_stats_target", "_last_episode_starts"]
+    OffPolicyAlgorithm.save(model, tmp_path / "old.zip", exclude=[*again, *stats])
+
+    with pytest.raises(CheckpointError, match=r"of an earlier version.*trust=True"):
+        algorithm.load(tmp_path / "old.zip")
+    loaded = algorithm.load(tmp_path / "old.zip", env=corridors(), trust=True)
+
+    assert_same_weights(loaded, model)
+    assert (loaded.update_every, loaded.num_timesteps) == (3, model.num_timesteps)
+    loaded.learn(40, reset_num_timesteps=False)
+
+
+def test_a_learning_rate_that_is_a_function_is_left_out_and_wanted_back(
+    make_model: MakeModel, algorithm: type[Model], tmp_path: Path
+) -> None:
+    with pytest.warns(UserWarning, match="learning_rate cannot be saved"):
+        make_model(learning_rate=lambda left: 1e-3 * left).save(tmp_path / "model.zip")
+
+    with pytest.raises(CheckpointError, match="data: learning_rate: found nothing"):
         algorithm.load(tmp_path / "model.zip")
-    assert algorithm.load(tmp_path / "model.zip", trust=True).lr_schedule(0.5) == pytest.approx(5e-4)
+    again = algorithm.load(tmp_path / "model.zip", learning_rate=lambda left: 1e-3 * left)
+    assert again.lr_schedule(0.5) == pytest.approx(5e-4)
+
+
+def test_classes_of_the_policy_are_left_out_and_wanted_back(tmp_path: Path) -> None:
+    kwargs = {"activation_fn": torch.nn.Tanh}
+    model = MaskedDQN("MaskedPolicy", corridors(), **{**SMALL, "policy_kwargs": kwargs})
+    with pytest.warns(UserWarning, match="policy_kwargs cannot be saved"):
+        model.save(tmp_path / "model.zip")
+
+    with pytest.raises(CheckpointError, match="data: policy_kwargs: found nothing"):
+        MaskedDQN.load(tmp_path / "model.zip")
+    loaded = MaskedDQN.load(tmp_path / "model.zip", policy_kwargs=kwargs)
+    assert_same_weights(loaded, model)
+
+
+def test_what_can_be_trained_with_can_be_saved_and_loaded(
+    make_model: MakeModel, algorithm: type[Model], tmp_path: Path
+) -> None:
+    """Plain values are made of those of numpy when the model is made."""
+    given: dict[str, Any] = {
+        "batch_size": np.int64(16),
+        "buffer_size": 400.0,
+        "gamma": np.float32(0.5),
+        "train_freq": [np.int8(4), "step"],
+        "gradient_steps": np.int64(-1),
+        "exploration_steps": np.float64(300),
+        "policy_kwargs": {"net_arch": (np.int64(8),)},
+    }
+    model = make_model(**given).learn(60)
+    model.save(tmp_path / "model.zip")
+    loaded = algorithm.load(tmp_path / "model.zip")
+
+    for one in (model, loaded):
+        assert (one.batch_size, one.buffer_size, one.gamma, one.update_every) == (16, 400, 0.5, 4)
+        assert (one.gradient_steps, one.exploration_steps, type(one.exploration_steps)) == (-1, 300, int)
+        assert one.policy_kwargs["net_arch"] == [8]
+
+
+def test_a_seed_that_is_set_later_reaches_exploration(make_model: MakeModel) -> None:
+    models = [make_model(seed=None) for _ in range(2)]
+    start = copy.deepcopy(models[0].policy.state_dict())
+    for model in models:
+        model.policy.load_state_dict(start)
+        model.set_random_seed(5)
+        model.learn(120)
+
+    assert_same_weights(*models)
+
+
+def test_updates_of_every_step_do_not_pile_up(make_model: MakeModel) -> None:
+    """As many updates as steps: those of the last round, not of all before learning began."""
+    model = make_model(gradient_steps=-1, learning_starts=100, train_freq=2).learn(104)
+
+    assert model._n_updates == 8
 
 
 def test_an_env_of_other_spaces_is_refused(make_model: MakeModel, algorithm: type[Model]) -> None:
@@ -399,7 +545,16 @@ def test_many_short_phases_are_one_long_run(make_model: MakeModel) -> None:
         ({"learning_rate": -1.0}, "learning_rate must be above 0 and finite, got -1.0"),
         ({"exploration_steps": 0}, "exploration_steps must be at least 1, got 0"),
         ({"exploration_final_eps": 2.0}, r"exploration_final_eps must be in \[0, 1\], got 2.0"),
-        ({"train_freq": 0}, "update_every must be at least 1, got 0"),
+        ({"train_freq": 0}, "train_freq must be a number of VecEnv steps, got 0"),
+        ({"train_freq": ("step", 4)}, "train_freq must be a number of VecEnv steps"),
+        ({"batch_size": 0}, "batch_size must be at least 1, got 0"),
+        ({"buffer_size": 10**12}, "buffer_size must be at most"),
+        ({"seed": 2**63}, "seed must be at most"),
+        (
+            {"learning_rate": lambda left: left, "final_learning_rate": 1e-5},
+            "needs a number as learning_rate",
+        ),
+        ({"policy_kwargs": {"net_arc": [8]}}, "did you mean 'net_arch'"),
         ({"train_freq": (1, "episode")}, "train_freq must be a number of VecEnv steps, got"),
         ({"gradient_steps": 0}, "gradient_steps must be at least 1, got 0"),
     ],
@@ -407,7 +562,7 @@ def test_many_short_phases_are_one_long_run(make_model: MakeModel) -> None:
 def test_a_setting_out_of_range_is_refused(
     make_model: MakeModel, options: dict[str, Any], message: str
 ) -> None:
-    with pytest.raises(ConfigError, match=message):
+    with pytest.raises((ConfigError, UnknownSettingError), match=message):
         make_model(**options)
 
 
@@ -435,17 +590,21 @@ def assert_same_weights(one: Model, other: Model) -> None:
     torch.testing.assert_close(moments, expected, rtol=0, atol=0)
 
 
-def swap(model: Model, path: Path, name: str, value: object) -> None:
-    """Save a model with a pickled value in its zip."""
-    model.save(path)
+def parts_of(path: Path) -> tuple[dict[str, bytes], dict[str, Any]]:
+    """Entries of a zip, and the values among them."""
     with zipfile.ZipFile(path) as archive:
-        parts = {part: archive.read(part) for part in archive.namelist()}
-    data = json.loads(parts["data"])
-    data[name] = {":type:": "x", ":serialized:": base64.b64encode(pickle.dumps(value)).decode()}
-    parts["data"] = json.dumps(data).encode()
-    with zipfile.ZipFile(path, "w") as archive:
-        for part, content in parts.items():
-            archive.writestr(part, content)
+        parts = {name: archive.read(name) for name in archive.namelist()}
+    return parts, json.loads(parts["data"])
+
+
+def changed(path: Path, **values: Any) -> bytes:
+    """The zip with other values."""
+    parts, data = parts_of(path)
+    file = io.BytesIO()
+    with zipfile.ZipFile(file, "w") as archive:
+        for name, content in {**parts, "data": json.dumps({**data, **values}).encode()}.items():
+            archive.writestr(name, content)
+    return file.getvalue()
 
 
 class Poisoned(Corridor):

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 from sb3_contrib import MaskablePPO
-from stable_baselines3.common.vec_env import VecEnv, VecMonitor
+from stable_baselines3.common.vec_env import VecEnv, VecMonitor, VecNormalize
 
 from hexwar_sb3.algorithms.checkpoint import load_checkpoint, save_checkpoint
 from hexwar_sb3.algorithms.qmix import QMIX
@@ -73,6 +73,15 @@ def test_maskable_ppo_plays_against_its_past() -> None:
     assert all(rival in pool.pool for rival in rivals(model))
     match = play_match(pool.pool[0], pool.pool[-1], games=2)
     assert match.games == 2
+
+
+def test_a_model_of_normalised_observations_has_no_copy() -> None:
+    """In play it would get them as they are."""
+    env = VecNormalize(games(), norm_obs_keys=["obs"])
+    model = MaskablePPO("MultiInputPolicy", env, n_steps=24, batch_size=16)
+
+    with pytest.raises(ConfigError, match="leave VecNormalize's norm_obs out"):
+        frozen_copy(model)
 
 
 def test_a_copy_stays_while_the_model_learns() -> None:
