@@ -9,7 +9,7 @@ import pytest
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 from tests.attack.loaders import LOADERS
-from tests.attack.run import PER_LOADER, attacked, make_valid, table
+from tests.attack.run import PER_LOADER, Outcome, attacked, make_valid, table
 
 QUICK, ALL = 5, 1_500  # files a loader in the fast tests, files in all in the slow one
 
@@ -20,11 +20,16 @@ def root(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return make_valid(tmp_path_factory.mktemp("valid") / "root")
 
 
+def check(outcomes: list[Outcome]) -> None:
+    faults = "\n".join(str(one) for one in outcomes if one.faults)
+    assert not faults, f"{table(outcomes)}\n{faults}"
+
+
 def test_a_hundred_bad_files_do_no_harm(root: Path) -> None:
     outcomes = attacked(root, list(LOADERS), QUICK)
 
     assert len(outcomes) >= 100
-    assert not [str(one) for one in outcomes if one.faults], table(outcomes)
+    check(outcomes)
 
 
 @pytest.mark.slow
@@ -34,4 +39,4 @@ def test_bad_files_do_no_harm(root: Path, name: str) -> None:
     outcomes = attacked(root, [name], PER_LOADER)
 
     assert len(outcomes) * len(LOADERS) >= ALL
-    assert not [str(one) for one in outcomes if one.faults], table(outcomes)
+    check(outcomes)
