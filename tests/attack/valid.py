@@ -281,10 +281,11 @@ def terrain_map() -> Any:
 
 def terrain(root: Path) -> None:
     """A cache folder: tables of a map, and the compiled kernels of the real one, linked."""
-    from hexwar_sb3.kernels import cache_root
+    from hexwar_sb3.cache import cache_root
 
     cache = root / "terrain" / "cache"
-    real = cache_root().absolute()
+    real = cache_root()
+    assert real is not None
     (cache / "terrain").mkdir(parents=True)
     with cache_at(cache):
         tables(terrain_map())

@@ -138,7 +138,8 @@ def test_players_that_are_none_are_refused(lines: Lines) -> None:
         {"red": {"name": 1}},
         {"green": {"name": "x"}},
         {"red": {"nom": "x"}},
-    ):
+    )
+    for players in odd:
         with pytest.raises(ReplayFileError, match=r"head\.players"):
             Replay(({**lines[0], "players": players}, *lines[1:]))
 
