@@ -140,13 +140,15 @@ class Kept(NullCache):
 
     def __init__(self, function: Callable[..., object]) -> None:
         source = Path(function.__code__.co_filename)
-        self.name = f"{source.stem}.{function.__qualname__}-{source_hash(source)}".replace("<", "").replace(
-            ">", ""
-        )
+        name = f"{source.stem}.{function.__qualname__}-{source_hash(source)}"
+        self.name = name.replace("<", "").replace(">", "")  # as Windows wants it
+        cells = [cell.cell_contents for cell in function.__closure__ or ()]  # of a function made by another
+        self.made_of = dumps((function.__code__.co_code, cells)) if cells else b""  # type: ignore[no-untyped-call]
         self.cache = cache()
 
     def _file(self, signature: object) -> str:
-        return f"{self.name}-{hashlib.sha256(str(signature).encode()).hexdigest()[:16]}.kernel"
+        key = hashlib.sha256(str(signature).encode() + self.made_of).hexdigest()[:16]
+        return f"{self.name}-{key}.kernel"
 
     def load_overload(self, signature: object, context: Any) -> CompileResult | None:
         """The kernel of a signature; None: it must be compiled."""

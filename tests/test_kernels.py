@@ -60,6 +60,22 @@ def test_a_kernel_is_compiled_once_and_then_read() -> None:
     assert use(longest) == {COMPILED: 1}
 
 
+def times(factor: int) -> Callable[[Rows], float]:
+    """A kernel to be, made by another function."""
+
+    def product(values: Rows) -> float:
+        return float(values[1] * factor)
+
+    return product
+
+
+@pytest.mark.usefixtures("own_cache")
+def test_kernels_that_another_function_makes_are_told_apart() -> None:
+    assert use(times(2)) == {COMPILED: 1}
+    assert use(times(3)) == {COMPILED: 1}
+    assert use(times(2)) == {READ: 1}
+
+
 class Planted:
     """What a stranger would like to be unpickled."""
 

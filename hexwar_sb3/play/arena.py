@@ -249,7 +249,7 @@ class Arena:
         """
         actions = check_actions(actions, (len(which), sight.rows.shape[1]))
         illegal = np.zeros(len(which), np.int64)
-        actions = np.require(actions, np.int64, ("C", "W"))
+        actions = np.array(actions, np.int64, order="C")
         choose_batch(
             slots, which, camps, actions, self.drives, self.state.games, self.plans,
             sight.rows, sight.obs["action_mask"], illegal,

@@ -200,6 +200,7 @@ def in_worker(env: gymnasium.Env[Any, Any]) -> gymnasium.Env[Any, Any]:
 
 @pytest.mark.parametrize("start", ["spawn", pytest.param("forkserver", marks=pytest.mark.slow)])
 def test_an_env_that_was_sent_to_a_worker_compiles_nothing(start: str) -> None:
+    play_env(TaskEnv())  # what it takes is compiled now
     here = TaskEnv()
     obs, _ = here.reset(seed=5)
     actions = first_valid(obs["action_mask"].astype(np.int64), 1)
@@ -216,6 +217,7 @@ def test_an_env_that_was_sent_to_a_worker_compiles_nothing(start: str) -> None:
 
 @pytest.mark.slow
 def test_a_game_that_was_sent_to_a_worker_of_joblib_compiles_nothing() -> None:
+    Game(seed=4).advance(400)  # what it takes is compiled now
     game = Game(seed=4)
     game.advance(10)
     played = joblib.delayed(lambda one: (one.advance(300), str(one), counts[COMPILED]))
