@@ -38,8 +38,9 @@ from hexwar_sb3.algorithms.ranges import (
     Whole,
     flag,
     options,
-    plain,
+    row,
     row_of,
+    scalar,
     setting,
 )
 from hexwar_sb3.algorithms.timed_replay import TimedReplayBuffer
@@ -53,7 +54,7 @@ MOST_ACTIONS = 65_536
 
 def vec_steps(value: Any) -> int:
     """When to train: after so many steps of the VecEnv; also (n, "step"), as in SB3."""
-    found = plain(value)
+    found = row(value)
     if isinstance(found, list | tuple) and len(found) == 2 and getattr(found[1], "value", found[1]) == "step":
         found = found[0]
     try:
@@ -64,7 +65,7 @@ def vec_steps(value: Any) -> int:
 
 def updates_each(value: Any) -> int:
     """Updates of a round; -1: as many as env steps."""
-    return -1 if plain(value) == -1 else Whole(1, MOST_BATCH)(value)
+    return -1 if scalar(value) == -1 else Whole(1, MOST_BATCH)(value)
 
 
 POLICY_KWARGS: Table = {

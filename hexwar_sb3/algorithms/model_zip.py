@@ -18,11 +18,12 @@ from stable_baselines3.common.utils import get_system_info
 from hexwar_sb3.algorithms.ranges import INFINITE
 from hexwar_sb3.algorithms.tensors import unpack
 from hexwar_sb3.errors import CheckpointError, shortened
-from hexwar_sb3.reading import MAX_JSON_BYTES, parse_json, read_bytes, read_entries
+from hexwar_sb3.reading import parse_json, read_bytes, read_entries
 
 File = str | pathlib.Path | io.BufferedIOBase
 FORMAT = "hexwar model 2"
 MAX_BYTES = 1 << 28
+MAX_DATA_BYTES = 1 << 21  # of the plain values
 DATA, VERSION, SYSTEM, WEIGHTS, PICKLED = (
     *("data", "_stable_baselines3_version", "system_info.txt"),
     *(".safetensors", ".pth"),
@@ -96,8 +97,8 @@ def read_zip(name: str, data: bytes) -> ModelZip:
         if entry not in (DATA, VERSION, SYSTEM) and not entry.endswith(WEIGHTS):
             raise CheckpointError(name, entry, found="an unknown entry", expected="those of a model zip")
     text = entries.get(DATA, b"")
-    if len(text) > MAX_JSON_BYTES:
-        raise CheckpointError(name, DATA, found=f"{len(text)} bytes", expected=f"at most {MAX_JSON_BYTES}")
+    if len(text) > MAX_DATA_BYTES:
+        raise CheckpointError(name, DATA, found=f"{len(text)} bytes", expected=f"at most {MAX_DATA_BYTES}")
     values = parse_json(text, name, "names and values", CheckpointError, DATA)
     if not isinstance(values, dict) or values.pop("format", None) != FORMAT:
         raise CheckpointError(name, "data: format", found="another one", expected=FORMAT)
@@ -113,7 +114,7 @@ def write_zip(data: Mapping[str, Any], weights: Mapping[str, bytes]) -> bytes:
     """Put a zip together: plain values as JSON, weights by the part of the model."""
     zipped = io.BytesIO()
     with zipfile.ZipFile(zipped, "w") as archive:
-        archive.writestr(DATA, json.dumps(_jsonable({"format": FORMAT, **data}), indent=4, allow_nan=False))
+        archive.writestr(DATA, json.dumps(_jsonable({"format": FORMAT, **data}), indent=1, allow_nan=False))
         for part, content in weights.items():
             archive.writestr(f"{part}{WEIGHTS}", content)
         archive.writestr(VERSION, stable_baselines3.__version__)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from math import prod
 from typing import Any
@@ -16,6 +15,7 @@ from hexwar_sb3.errors import ConfigError
 
 MOST_NUMBERS = 1 << 22  # of an observation
 MOST_PARTS = 64
+MOST_BOUNDS = 40_000  # that are written down, where they differ within a part
 DTYPES = ("float16", "float32", "float64", "bool", "int8", "int16", "int32", "int64", "uint8", "uint16")
 
 
@@ -29,7 +29,10 @@ def plain_boxes(space: spaces.Dict) -> dict[str, dict[str, Any]]:
         raise ConfigError(
             f"an observation has at most {MOST_NUMBERS} numbers in {MOST_PARTS} parts, got {space}"
         )
-    return {key: _plain_box(key, part) for key, part in space.items()}
+    made = {key: _plain_box(key, part) for key, part in space.items()}
+    if sum(len(box["low"]) + len(box["high"]) for box in made.values()) > MOST_BOUNDS:
+        raise ConfigError(f"the parts of an observation have at most {MOST_BOUNDS} different bounds")
+    return made
 
 
 def boxes(value: Any) -> dict[str, Any]:
@@ -72,18 +75,18 @@ def _plain_bound(bound: NDArray[Any]) -> list[Any]:
 
 
 def _bound(value: Any) -> Any:
-    if value in (INFINITE, f"-{INFINITE}"):
-        return float(value)
-    if type(value) not in (int, float, bool) or not math.isfinite(value):
+    if type(value) in (int, float, bool):
+        return value
+    if value not in (INFINITE, f"-{INFINITE}"):
         raise Misfit(value, "a number")
-    return value
+    return float(value)
 
 
 _BOX = Parts(
     {
         "shape": row_of(Whole(0, MOST_NUMBERS), 8),
-        "low": row_of(_bound, MOST_NUMBERS),
-        "high": row_of(_bound, MOST_NUMBERS),
+        "low": row_of(_bound, MOST_BOUNDS),
+        "high": row_of(_bound, MOST_BOUNDS),
         "dtype": Choice("type of numbers", DTYPES),
     }
 )

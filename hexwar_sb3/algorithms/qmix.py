@@ -40,7 +40,8 @@ from hexwar_sb3.algorithms.ranges import (
     flag,
     optional,
     options,
-    plain,
+    row,
+    scalar,
     setting,
 )
 from hexwar_sb3.algorithms.replay import Batch, StepReplay, situation_of
@@ -61,10 +62,10 @@ EVERY = "(n, 'episode') or (n, 'step') with n >= 1"
 
 def update_every(value: Any) -> tuple[int, str]:
     """When to train: (n, "episode") or (n, "step"); n alone means steps of the VecEnv, as in SB3."""
-    found = plain(value)
+    found = row(value)
     try:
         number, unit = found if isinstance(found, list | tuple) else (found, "step")
-        unit = getattr(unit, "value", unit)  # of SB3's TrainFreq
+        unit = scalar(getattr(unit, "value", unit))  # of SB3's TrainFreq
         if unit in ("episode", "step"):
             return Whole()(number), str(unit)
     except (Misfit, TypeError, ValueError):

@@ -26,6 +26,7 @@ MOST_STEPS = 10**7  # of a replay
 MOST_BATCH = 1 << 20
 MOST_WIDTH = 4_096  # of a layer
 MOST_LAYERS = 16
+MOST_LISTED = 1_000  # opponents, scenarios
 INFINITE = "inf"  # in a file: JSON has no word for it
 
 
@@ -46,21 +47,26 @@ class Misfit(Exception):  # noqa: N818  # it becomes an error of the place where
         return ConfigError(f"{self.place} must be {self.expected}, got {self.found}")
 
 
-def plain(value: Any) -> Any:
-    """The plain value that a value of numpy or a path stands for; anything else as it is."""
+def scalar(value: Any) -> Any:
+    """The plain value that one of numpy, a path or a text stands for; anything else as it is."""
     if isinstance(value, np.generic) or (isinstance(value, np.ndarray) and value.ndim == 0):
         return value.item()
-    if isinstance(value, np.ndarray):
-        return value.tolist()
-    if isinstance(value, Path):
-        return str(value)
-    if isinstance(value, str):
-        return str(value)
-    if type(value) in (list, tuple):
-        return type(value)(plain(one) for one in value)
-    if isinstance(value, dict):
-        return {plain(name): plain(one) for name, one in value.items()}
-    return value
+    return str(value) if isinstance(value, str | Path) else value
+
+
+def row(value: Any) -> Any:
+    """A list of an array; anything else as it is."""
+    return value.tolist() if isinstance(value, np.ndarray) and value.ndim else scalar(value)
+
+
+def plain(value: Any) -> Any:
+    """The same within lists and dicts."""
+    found = row(value)
+    if type(found) in (list, tuple):
+        return type(found)(plain(one) for one in found)
+    if isinstance(found, dict):
+        return {scalar(name): plain(one) for name, one in found.items()}
+    return found
 
 
 def is_plain(value: Any) -> bool:
@@ -84,7 +90,7 @@ class Number:
 
     def __call__(self, value: Any) -> float:
         """Give it as a float."""
-        found = plain(value)
+        found = scalar(value)
         if isinstance(found, bool) or not isinstance(found, Real):
             raise Misfit(value, self.expected)
         try:
@@ -105,7 +111,7 @@ class Whole:
 
     def __call__(self, value: Any) -> int:
         """Give it as an int."""
-        found = plain(value)
+        found = scalar(value)
         is_whole = isinstance(found, Integral) or (isinstance(found, float) and found.is_integer())
         if isinstance(found, bool) or not is_whole:
             raise Misfit(value, f"a whole number of at least {self.least}")
@@ -129,7 +135,7 @@ class Choice:
         Raises:
             UnknownNameError: there is none like it.
         """
-        found = plain(value)
+        found = scalar(value)
         if not isinstance(found, str) or found not in tuple(self.names):
             raise UnknownNameError(self.what, found if isinstance(found, str) else repr(found), self.names)
         return found
@@ -204,7 +210,7 @@ def optional(kind: Kind) -> Kind:
 
 def flag(value: Any) -> bool:
     """True or False."""
-    found = plain(value)
+    found = scalar(value)
     if type(found) is not bool:
         raise Misfit(value, "True or False")
     return found
@@ -212,7 +218,7 @@ def flag(value: Any) -> bool:
 
 def text(value: Any) -> str:
     """Some text."""
-    found = plain(value)
+    found = scalar(value)
     if not isinstance(found, str):
         raise Misfit(value, "a word")
     return found
@@ -226,8 +232,14 @@ def options(value: Any) -> dict[str, Any]:
 
 
 def anything(value: Any) -> Any:
-    """Whatever it is, plain where it can be; from a file that is a text, a number, or lists of them."""
-    found = plain(value)
+    """A name, an object, or a list of them, each perhaps with a weight; from a file that is texts and numbers."""
+    found = row(value)
+    if isinstance(found, list | tuple):
+        if len(found) > MOST_LISTED or any(isinstance(one, list | tuple) and len(one) != 2 for one in found):
+            raise Misfit(value, f"a name, or a list of at most {MOST_LISTED} names")
+        found = type(found)(
+            tuple(map(scalar, one)) if isinstance(one, list | tuple) else scalar(one) for one in found
+        )
     if isinstance(found, dict):
         raise Misfit(value, "a name, or a list of names")
     return found
@@ -247,7 +259,7 @@ def row_of(kind: Kind, most: int) -> Kind:
     """A list of values of a kind, no longer than `most`."""
 
     def mend(value: Any) -> list[Any]:
-        found = plain(value)
+        found = row(value)
         if not isinstance(found, list | tuple) or len(found) > most:
             raise Misfit(value, f"a list of at most {most}")
         return [kind(one) for one in found]
@@ -259,7 +271,7 @@ def pair(first: Kind, second: Kind, expected: str) -> Kind:
     """Two values, as a tuple."""
 
     def mend(value: Any) -> tuple[Any, Any]:
-        found = plain(value)
+        found = row(value)
         try:
             one, other = found
             return first(one), second(other)

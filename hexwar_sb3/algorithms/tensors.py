@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from torch import Tensor
 
 from hexwar_sb3.errors import CheckpointError
-from hexwar_sb3.reading import MAX_JSON_BYTES, parse_json
+from hexwar_sb3.reading import parse_json
 
 Form = tuple[np.dtype[Any], tuple[int, ...]]
 """Type and shape of a tensor."""
@@ -25,6 +25,7 @@ DTYPES: dict[str, np.dtype[Any]] = {
     "F64": np.dtype(np.float64),
     "I64": np.dtype(np.int64),
 }
+MAX_TENSORS, MAX_LIST_BYTES = 4_096, 1 << 20
 _LENGTH_BYTES = 8  # at the beginning: how long the list of tensors is
 _ABOUT = "__metadata__"
 NEVER_NEGATIVE = ("step", "exp_avg_sq", "max_exp_avg_sq", "square_avg", "sum")  # of an optimiser's state
@@ -52,11 +53,11 @@ def unpack(data: bytes, source: str | Path, place: str) -> dict[str, NDArray[Any
 
     length = int.from_bytes(data[:_LENGTH_BYTES], "little")
     start = _LENGTH_BYTES + length
-    if len(data) < _LENGTH_BYTES or start > len(data) or length > MAX_JSON_BYTES:
+    if len(data) < _LENGTH_BYTES or start > len(data) or length > MAX_LIST_BYTES:
         fail(f"{len(data)} bytes, {length} of them for the list")
     listed = parse_json(data[_LENGTH_BYTES:start], source, "a list of tensors", CheckpointError, place)
-    if not isinstance(listed, dict):
-        fail(type(listed).__name__)
+    if not isinstance(listed, dict) or len(listed) > MAX_TENSORS:
+        fail("no dict, or more tensors than a model has", f"at most {MAX_TENSORS} tensors")
     listed.pop(_ABOUT, None)
     found: dict[str, NDArray[Any]] = {}
     for name, entry in sorted(listed.items(), key=lambda item: _begin(item[1])):
