@@ -87,5 +87,21 @@ def status(name: str) -> float:
     return 0.0
 
 
+def cpu_seconds(pid: int) -> float:
+    """Seconds of the processor that a process has taken; its ended children's too."""
+    fields = stat_fields(pid)
+    return sum(map(int, fields[11:15])) / os.sysconf("SC_CLK_TCK")
+
+
+def sleeps(pid: int) -> bool:
+    """Whether a process waits for something other than the processor."""
+    return stat_fields(pid)[0] in ("S", "D")
+
+
+def stat_fields(pid: int) -> list[str]:
+    """What /proc says of a process, from its state on."""
+    return Path(f"/proc/{pid}/stat").read_text(encoding="ascii").rpartition(")")[2].split()
+
+
 if __name__ == "__main__":
     work(Path(sys.argv[1]))
