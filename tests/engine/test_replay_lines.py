@@ -31,7 +31,7 @@ def lines() -> Lines:
     with game.edit() as state:
         state["blue:tank0"].ammo = {"GUN": 3}
     game.advance(80)
-    return json.loads(json.dumps(Replay.of(game).lines))  # type: ignore[no-any-return]
+    return json.loads(json.dumps(Replay.of(game).lines))
 
 
 def write(path: Path, lines: list[Any], *, sealed: bool = True) -> Path:
@@ -131,14 +131,15 @@ def test_a_line_that_no_game_has_is_refused_when_it_is_read(what: str, lines: Li
 
 
 def test_players_that_are_none_are_refused(lines: Lines) -> None:
-    for players in (
+    strange: tuple[object, ...] = (
         None,
         [],
         {"red": None},
         {"red": {"name": 1}},
         {"green": {"name": "x"}},
         {"red": {"nom": "x"}},
-    ):
+    )
+    for players in strange:
         with pytest.raises(ReplayFileError, match=r"head\.players"):
             Replay(({**lines[0], "players": players}, *lines[1:]))
 

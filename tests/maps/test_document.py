@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+from collections.abc import Callable
 from pathlib import Path
 from time import process_time
 from typing import Any
@@ -60,7 +61,7 @@ def fifo(path: Path) -> None:
     os.mkfifo(path)
 
 
-NO_FILES = {
+NO_FILES: dict[str, Callable[[Path], object]] = {
     "a pipe": fifo,
     "a link to a device": lambda path: path.symlink_to("/dev/zero"),
     "a link to itself": lambda path: path.symlink_to(path),
