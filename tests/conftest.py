@@ -119,6 +119,12 @@ def _changed(document: Any, place: tuple[Any, ...], value: Any) -> Any:
 
 
 @pytest.fixture
+def swaps() -> tuple[Any, ...]:
+    """Values of kinds that hardly anything takes."""
+    return SWAPS
+
+
+@pytest.fixture
 def bad() -> Bad:
     """Function that makes some hundred bad files of a JSON document."""
     return bad_documents

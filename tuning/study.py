@@ -54,6 +54,7 @@ from hexwar_sb3.tuning.workers import WORKER, bury, ended, this_process
 
 STORAGE = "HEXWAR_STUDY_STORAGE"  # environment of a study's processes: URL of its database
 PRESET_FILE = "preset.json"  # of a study that was begun with one
+TOLD = ("also", "preset", "sampler", "pruner")  # beside what all trials have in common
 MAXIMIZE = optuna.study.StudyDirection.MAXIMIZE
 POLL_S = 0.5
 MOST_LOST = 3  # processes one after the other that end before they have a trial
@@ -159,11 +160,11 @@ def known_spec(folder: Path, storage: str | None = None) -> StudySpec:
     if not isinstance(attributes.get("spec"), dict):
         raise ConfigError(f"there is no study {name!r} of `hexwar tune` in {place}")
     values = dict(attributes["spec"])
-    common = read_fields(Common, values.pop("common", None), place, place="common")
+    common = read_fields(Common, values.pop("common", None), place, place="common", whole=True)
     found = read_fields(StudySpec, values, place, place="spec")
-    if not {"folder", "storage", "common"}.isdisjoint(found):
-        raise FileFormatError(place, "spec", found="its own place", expected="none: it may be moved")
-    preset = found.get("preset", StudySpec.preset)
+    if set(found) != set(TOLD):
+        raise FileFormatError(place, "spec", found=", ".join(found), expected=", ".join(TOLD))
+    preset = found["preset"]
     if preset not in (*PRESETS, PRESET_FILE):
         expected = f"one of {', '.join((*PRESETS, PRESET_FILE))}"
         raise FileFormatError(place, "spec.preset", found=preset, expected=expected)

@@ -144,8 +144,9 @@ def go_on(settings: Train, folder: RunFolder) -> HierarchicalQMIX:
 
     Raises:
         CheckpointError: its checkpoint is missing or broken.
-        ConfigError: the run is finished.
+        ConfigError: the run is finished, or its device cannot be used.
     """
+    check_device(settings.device)
     model = cast(
         "HierarchicalQMIX",
         load_checkpoint(folder.checkpoint, make_env(settings), HierarchicalQMIX, device=settings.device),

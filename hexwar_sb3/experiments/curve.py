@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hexwar_sb3.errors import FileFormatError
+from hexwar_sb3.errors import ConfigError, FileFormatError
 from hexwar_sb3.evaluation.csv_file import number_in, read_rows
 from hexwar_sb3.evaluation.history import History
 from hexwar_sb3.evaluation.results import CampResult
@@ -26,7 +26,13 @@ HEADS = (
 
 
 def by_opponent(result: CampResult, opponents: Sequence[str]) -> dict[str, CampResult]:
-    """Take the joined games of a panel apart: they lie opponent by opponent, as many games each."""
+    """Take the joined games of a panel apart: they lie opponent by opponent, as many games each.
+
+    Raises:
+        ConfigError: so many opponents cannot have had as many games each.
+    """
+    if not opponents or result.games % len(opponents):
+        raise ConfigError(f"{result.games} games are not as many each against {len(opponents)} opponents")
     columns = (result.scores, result.margins, result.points_held)
     parts = zip(*(np.split(column, len(opponents)) for column in columns), strict=True)
     return {name: CampResult(*part) for name, part in zip(opponents, parts, strict=True)}

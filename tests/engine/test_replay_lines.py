@@ -131,7 +131,7 @@ def test_a_line_that_no_game_has_is_refused_when_it_is_read(what: str, lines: Li
 
 
 def test_players_that_are_none_are_refused(lines: Lines) -> None:
-    odd: tuple[Any, ...] = (
+    strange: tuple[object, ...] = (
         None,
         [],
         {"red": None},
@@ -139,7 +139,7 @@ def test_players_that_are_none_are_refused(lines: Lines) -> None:
         {"green": {"name": "x"}},
         {"red": {"nom": "x"}},
     )
-    for players in odd:
+    for players in strange:
         with pytest.raises(ReplayFileError, match=r"head\.players"):
             Replay(({**lines[0], "players": players}, *lines[1:]))
 

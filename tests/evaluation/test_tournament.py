@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
+from itertools import islice
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -13,7 +16,7 @@ from hexwar_sb3.errors import FileFormatError, HexWarError, PolicyFileError
 from hexwar_sb3.evaluation.jobs import run_jobs
 from hexwar_sb3.evaluation.matches import play_match
 from hexwar_sb3.evaluation.panel import Terms
-from hexwar_sb3.evaluation.tournament import Meeting, fingerprint, play_meetings, single_round_robin
+from hexwar_sb3.evaluation.tournament import Match, Meeting, fingerprint, play_meetings, single_round_robin
 from hexwar_sb3.play.frozen import FrozenPolicy
 
 PLAYERS: dict[str, object] = {"MA1": "MA1", "near": "nearest", "any": "random"}
@@ -118,3 +121,71 @@ def test_a_broken_file_is_named(tmp_path: Path, text: str, found: str) -> None:
 def test_a_player_is_known_by_what_it_is() -> None:
     assert fingerprint("MA1") != fingerprint("MA2")
     assert json.dumps(fingerprint("MA1"))
+
+
+@pytest.fixture(scope="module")
+def played(tmp_path_factory: pytest.TempPathFactory) -> Match:
+    """A match with its file."""
+    folder = tmp_path_factory.mktemp("matches")
+    meeting = Meeting(red="near", blue="any", scenario="plain")
+    play_meetings([meeting], PLAYERS, PLAYERS, TERMS, folder)
+    return Match(meeting, PLAYERS["near"], PLAYERS["any"], TERMS, folder)
+
+
+def test_nothing_but_our_errors_comes_of_a_bad_match_file(played: Match, bad: Any, tmp_path: Path) -> None:
+    match, refused = replace(played, folder=tmp_path), 0
+    for content in islice(bad(json.loads(played.path.read_text())), 0, None, 5):
+        match.path.write_bytes(content)
+        try:
+            match.read()
+        except (HexWarError, OSError):
+            refused += 1
+    assert refused > 80
+
+
+CHANGES: dict[str, tuple[dict[str, Any], str]] = {
+    "another seed": ({"seed": 1}, r"seed: found 1; expected 0"),
+    "a seed that is true": ({"seed": False}, "seed: found False"),
+    "no games": ({"red_games": ""}, "red_games"),
+    "another scenario": ({"scenario": "hills"}, "scenario: found hills"),
+    "another player": ({"players": {"red": "x", "blue": "y"}}, "players: found"),
+    "no red": ({"red": None}, "red: found NoneType; expected names and values"),
+    "games of another letter": ({"red_games": "XXXX"}, "red_games: found 'XXXX'"),
+}
+
+
+@pytest.mark.parametrize("what", CHANGES)
+def test_a_match_file_that_was_changed_is_noticed(what: str, played: Match, tmp_path: Path) -> None:
+    match, row = replace(played, folder=tmp_path), json.loads(played.path.read_text())
+    changes, message = CHANGES[what]
+    match.path.write_text(json.dumps({**row, **changes}))
+    with pytest.raises(FileFormatError, match=message):
+        match.read()
+
+
+@pytest.mark.parametrize("camp", ["red", "blue"])
+@pytest.mark.parametrize(
+    "name",
+    [
+        "player",
+        "games",
+        "wins",
+        "draws",
+        "losses",
+        "win_rate",
+        "win_rate_interval",
+        "mean_margin",
+        "points_held",
+    ],
+)
+def test_figures_that_do_not_add_up_are_noticed(name: str, camp: str, played: Match, tmp_path: Path) -> None:
+    match, row = replace(played, folder=tmp_path), json.loads(played.path.read_text())
+    other = {"player": "x", "win_rate_interval": [0.1, 0.2], "mean_margin": 1e6, "points_held": [0.5, 0.1]}
+    row[camp][name] = other[name] if name in other else row[camp][name] + 1
+    match.path.write_text(json.dumps(row))
+    with pytest.raises(FileFormatError, match=rf"{camp}"):
+        match.read()
+    del row[camp][name]
+    match.path.write_text(json.dumps(row))
+    with pytest.raises(FileFormatError, match=rf"{camp}\.{name}: found nothing"):
+        match.read()

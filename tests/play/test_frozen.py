@@ -342,18 +342,23 @@ def led(policy: TaskPolicy, tmp_path: Path) -> Path:
     return tmp_path / "led"
 
 
-def _removed(lower: Path) -> Path:
-    shutil.rmtree(lower)
-    return lower
+def instead(make: Callable[[Path], object]) -> Callable[[Path], None]:
+    """Put something else in the folder's place."""
+
+    def act(lower: Path) -> None:
+        shutil.rmtree(lower)
+        make(lower)
+
+    return act
 
 
 LOWERS: dict[str, Callable[[Path], object]] = {
     "no config": lambda lower: (lower / "config.json").unlink(),
     "no weights": lambda lower: (lower / "weights.safetensors").unlink(),
     "gone": shutil.rmtree,
-    "a file": lambda lower: _removed(lower).write_text("{}"),
-    "a broken link": lambda lower: _removed(lower).symlink_to("nowhere"),
-    "a link to itself": lambda lower: _removed(lower).symlink_to(lower),
+    "a file": instead(Path.touch),
+    "a broken link": instead(lambda lower: lower.symlink_to("nowhere")),
+    "a link to itself": instead(lambda lower: lower.symlink_to(lower)),
 }
 
 
@@ -378,8 +383,8 @@ def test_a_lower_level_that_the_config_does_not_know_is_refused(led: Path) -> No
     change("lower", False)(led)
     with pytest.raises(PolicyFileError, match="found a lower level; expected none"):
         FrozenPolicy.load(led)
-    values: tuple[object, ...] = (None, 1, "yes", [])
-    for value in values:
+    strange: tuple[object, ...] = (None, 1, "yes", [])
+    for value in strange:
         change("lower", value)(led)
         with pytest.raises(PolicyFileError, match="expected true or false"):
             FrozenPolicy.load(led)
