@@ -30,7 +30,11 @@ def holding(folder: Path, what: str) -> Iterator[None]:
     if is_held:
         check_held(folder)
     with nullcontext() if is_held else only_one(folder, what):
-        yield
+        try:
+            yield
+        except OSError:
+            check_held(folder)  # a removed folder leads to errors of many kinds: this one says it
+            raise
 
 
 def check_held(path: Path) -> None:

@@ -7,6 +7,7 @@ import io
 import os
 import re
 import sys
+import threading
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, redirect_stderr, suppress
 from shutil import get_terminal_size
@@ -39,7 +40,8 @@ def carry_out(program: str, action: Callable[[], int], stopped: str = "stopped")
     end_with_parent()
     _make_ready()
     try:
-        code = _code_of(action)
+        with _quiet_threads():
+            code = _code_of(action)
         for stream in (sys.stdout, sys.stderr):
             stream.flush()
     except BrokenPipeError:
@@ -59,6 +61,22 @@ def _code_of(action: Callable[[], int]) -> int:
         return action()
     except SystemExit as end:  # of help
         return end.code if isinstance(end.code, int) else int(end.code is not None)
+
+
+@contextmanager
+def _quiet_threads() -> Iterator[None]:
+    """Let threads that can no longer write end without a traceback: TensorBoard tells the one that waits for it."""
+    before = threading.excepthook
+
+    def hook(failed: threading.ExceptHookArgs) -> None:
+        if not issubclass(failed.exc_type, OSError):
+            before(failed)
+
+    threading.excepthook = hook
+    try:
+        yield
+    finally:
+        threading.excepthook = before
 
 
 def _complain(text: str, code: int) -> int:
@@ -119,10 +137,8 @@ def one_line_errors(arguments: Sequence[str], command: Any = None) -> Iterator[N
     except SystemExit as end:
         if not end.code:
             raise
-        box = said.getvalue()
-        if "Unrecognized options" in box:
-            _find_unknown(arguments, command)
-        raise ConfigError(_first_part(box)) from end
+        _find_unknown(arguments, command)
+        raise ConfigError(_first_part(said.getvalue())) from end
 
 
 def _find_unknown(arguments: Sequence[str], command: Any) -> None:
@@ -136,7 +152,7 @@ def _find_unknown(arguments: Sequence[str], command: Any) -> None:
 
 
 def _first_part(box: str) -> str:
-    """What a box of tyro's says up to its first rule, as one line."""
+    """What a box of tyro's says up to its first rule, as one line; in ASCII its title stands over a rule, too."""
     lines = [line.strip("│ ") for line in box.splitlines() if not line.startswith(("╭", "╰"))]
-    rule = next((k for k, line in enumerate(lines) if re.fullmatch("─+", line)), len(lines))
-    return " ".join(lines[:rule])
+    parts = re.split(r" (?:─+|-{9,}) ", " ".join(lines))
+    return parts[0 if box.startswith("╭") else 1 % len(parts)].strip()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 import signal
 import sqlite3
 import subprocess
@@ -19,10 +20,13 @@ from optuna.trial import TrialState
 from hexwar_sb3.algorithms.preset_file import save_preset
 from hexwar_sb3.algorithms.presets import PRESETS
 from hexwar_sb3.cli import main
-from hexwar_sb3.errors import ConfigError, FileFormatError
+from hexwar_sb3.errors import BusyError, ConfigError, FileFormatError
+from hexwar_sb3.maps.files import load_scenario, save_scenario
+from hexwar_sb3.rules.enums import PieceType
 from hexwar_sb3.tuning import study as module
 from hexwar_sb3.tuning.store import JOURNAL
 from hexwar_sb3.tuning.study import REASON, StudySpec, begin, best_trial, known_spec, run_study, work
+from hexwar_sb3.tuning.workers import WORKER
 
 
 def test_a_trial_that_goes_nan_fails_and_the_study_goes_on(spec: StudySpec, tmp_path: Path) -> None:
@@ -181,3 +185,121 @@ def test_a_wrong_storage_is_one_line(what: str, tmp_path: Path, capsys: pytest.C
     assert stopped.value.code == 2
     assert message in said
     assert said.count("\n") == 1
+
+
+@pytest.fixture
+def ground(tmp_path: Path) -> str:
+    """A scenario of another line-up: nobody flies."""
+    plain = load_scenario("plain")
+    pieces = tuple(piece for piece in plain.pieces if piece.kind != PieceType.AEROCRAFT)
+    save_scenario(replace(plain, pieces=pieces), tmp_path / "ground.scenario.json", "plain")
+    return str(tmp_path / "ground.scenario.json")
+
+
+@pytest.mark.parametrize("who", ["panel", "opponents"])
+def test_a_player_of_another_line_up_is_met_before_the_first_trial(
+    who: str, ground: str, spec: StudySpec
+) -> None:
+    there = replace(spec, common=replace(spec.common, scenario=ground, **{who: ("MA1", "HRL0")}))
+    with pytest.raises(ConfigError, match=r"HRL0 as red on .*ground\.scenario\.json: .*\(pieces, tasks"):
+        run_study(there, 1, say=lambda _: None)
+
+    assert not spec.folder.exists()
+
+
+def test_a_study_of_which_nothing_was_completed_is_no_success(
+    spec: StudySpec, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def study_of_failures(one: StudySpec, *_: Any) -> optuna.Study:
+        study = begin(one)
+        study.tell(study.ask(), state=TrialState.FAIL)
+        return study
+
+    monkeypatch.setattr(module, "run_study", study_of_failures)
+    with pytest.raises(SystemExit) as stopped:
+        main(("tune", "run", str(spec.folder), "--panel", "MA1", "--opponents", "MA1"))
+
+    assert stopped.value.code == 1
+    assert "no trial was completed\n" in capsys.readouterr().err
+
+
+def test_a_study_that_another_process_works_on_is_left_alone(spec: StudySpec) -> None:
+    study = begin(spec)
+    hold = f"""
+import sys
+from pathlib import Path
+from hexwar_sb3.files import only_one
+with only_one(Path({str(spec.folder)!r}), "study"):
+    print("held", flush=True)
+    sys.stdin.read()
+"""
+    with subprocess.Popen(
+        [sys.executable, "-c", hold], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+    ) as other:
+        assert other.stdout is not None
+        assert other.stdout.readline() == "held\n"
+        with pytest.raises(BusyError, match="another process is working on this study"):
+            run_study(replace(spec, sampler="tpe"), 1, say=lambda _: None, points=[{"alpha": 0.5}])
+        other.communicate("")
+
+    assert len(study.trials) == 1
+    assert known_spec(spec.folder) == spec
+
+
+def wait_until(condition: Callable[[], bool], seconds: float = 120.0) -> None:
+    end = time.monotonic() + seconds
+    while not condition():
+        assert time.monotonic() < end
+        time.sleep(0.1)
+
+
+RUN = """
+import sys
+from pathlib import Path
+from hexwar_sb3.commands.console import carry_out
+from hexwar_sb3.tuning.study import known_spec, run_study
+def run():
+    run_study(known_spec(Path(sys.argv[1])), 1)
+    return 0
+sys.exit(carry_out("hexwar", run))
+"""
+
+
+def worker_of(study: optuna.Study) -> int | None:
+    """Process of the trial that runs."""
+    running = study.get_trials(states=(TrialState.RUNNING,))
+    return next((one.user_attrs[WORKER]["pid"] for one in running if WORKER in one.user_attrs), None)
+
+
+@pytest.mark.slow
+def test_the_worker_of_a_killed_study_ends_and_its_point_comes_again(spec: StudySpec) -> None:
+    study = begin(spec)
+    with subprocess.Popen([sys.executable, "-c", RUN, str(spec.folder)]) as parent:
+        wait_until(lambda: worker_of(study) is not None)
+        worker = Path("/proc") / str(worker_of(study))
+        assert worker.exists()
+        parent.kill()
+    wait_until(lambda: not worker.exists(), seconds=15)
+    run_study(spec, 1, say=lambda _: None)
+
+    trials = begin(spec).trials
+    assert [one.state for one in trials] == [TrialState.FAIL, TrialState.COMPLETE]
+    assert trials[0].params == trials[1].params
+
+
+@pytest.mark.slow
+def test_a_study_whose_folder_is_removed_ends_and_makes_nothing(spec: StudySpec) -> None:
+    study = begin(spec)
+    with subprocess.Popen(
+        [sys.executable, "-c", RUN, str(spec.folder)], stderr=subprocess.PIPE, text=True
+    ) as parent:
+        wait_until(lambda: worker_of(study) is not None)
+        worker = Path("/proc") / str(worker_of(study))
+        shutil.rmtree(spec.folder)
+        _, said = parent.communicate(timeout=60)
+    wait_until(lambda: not worker.exists(), seconds=15)
+
+    assert parent.returncode == 2
+    assert "the folder was removed while it was in use" in said.splitlines()[-1]
+    assert "Traceback" not in said
+    assert not spec.folder.exists()
