@@ -24,7 +24,9 @@ Arrays = dict[str, NDArray[Any]]
 
 MONITOR_SUMS = {"episode_returns": np.float32, "episode_lengths": np.int32}
 FLAGS = ("action_mask", "alive")  # parts of an observation that hold 0 and 1 alone
+MOST_REWARD = 1e12  # of a step; squares of more would be infinite
 _MOST_SUM = 1e30  # of an episode's rewards
+_MOST_STEPS = 1 << 30  # of an episode
 _CHUNK_ROWS = 1 << 14  # that are looked at together
 
 
@@ -107,7 +109,8 @@ def restore_env(env: VecEnv, arrays: Arrays) -> None:
     check_names(others, [name for name in sums if monitors or name in others])
     for name, array in others.items():
         check_form(name, array, sums[name], (env.num_envs,))
-        check_range(name, array, 0 if array.dtype.kind == "i" else -_MOST_SUM, _MOST_SUM)
+        least, most = (0, _MOST_STEPS) if array.dtype.kind == "i" else (-_MOST_SUM, _MOST_SUM)
+        check_range(name, array, least, most)
     if not hasattr(env.unwrapped, "restore"):
         refuse("games", "running games", "none: this env cannot go on with them")
     with placed("games"):

@@ -13,7 +13,7 @@ from jaxtyping import Bool, Float, Int
 from numpy.typing import NDArray
 from torch import Tensor
 
-from hexwar_sb3.algorithms.parts import FLAGS, Joined, check_box, check_flags
+from hexwar_sb3.algorithms.parts import FLAGS, MOST_REWARD, Joined, check_box, check_flags
 from hexwar_sb3.algorithms.td_targets import DECISION_TICKS, n_step_return, row_discount
 from hexwar_sb3.engine.fields import check_all, check_form, check_names, check_range, refuse
 from hexwar_sb3.errors import ConfigError, TrainingError
@@ -151,8 +151,9 @@ class StepReplay:
 
     def _keep_sets(self, steps: NDArray[np.int64], mask: NDArray[np.bool_], valid: NDArray[Any]) -> None:
         """Deal valid rows [n, task_dim] out to their steps [B], by the steps' masks [B, N, K]."""
-        ends = mask.sum(axis=(1, 2)).cumsum()
-        for step, start, end in zip(steps.tolist(), [0, *ends[:-1].tolist()], ends.tolist(), strict=True):
+        counts = mask.sum(axis=(1, 2))
+        ends = counts.cumsum()
+        for step, start, end in zip(steps.tolist(), (ends - counts).tolist(), ends.tolist(), strict=True):
             self.sets[step] = valid[start:end]
 
     def _check_tasks(self, row: NDArray[np.int64]) -> None:
@@ -302,7 +303,7 @@ class StepReplay:
 
     def _check_steps(self, parts: Mapping[str, NDArray[Any]], mask: NDArray[Any], used: int) -> None:
         reward, done, is_step = parts["reward"], parts["done"], parts["is_step"]
-        check_all("reward", np.isfinite(reward), reward, "finite numbers")
+        check_range("reward", reward, -MOST_REWARD, MOST_REWARD)
         check_range("discount", parts["discount"], 0.0, 1.0)
         check_all("terminated", done | ~parts["terminated"], parts["terminated"], "the end of a game")
         tasks = parts["tasks"].astype(np.int64)
@@ -312,8 +313,9 @@ class StepReplay:
         next_row = parts["next_row"]
         check_form("next_row", next_row, np.int64, (self.n_envs,))
         check_range("next_row", next_row, 0, self.rows - 1)
-        free = ~is_step[np.arange(self.n_envs), np.minimum(next_row, used - 1)] | (next_row >= used)
-        check_all("next_row", free, next_row, "a row without a step")
+        written = np.flatnonzero(next_row < used)
+        steps = is_step[written, next_row[written]]
+        check_all("next_row", ~steps, next_row[written], "a row without a step")
 
     def _arrays(self) -> dict[str, NDArray[Any]]:
         names = ("tasks", "reward", "discount", "terminated", "done", "is_step")

@@ -13,9 +13,9 @@ from stable_baselines3.common.buffers import DictReplayBuffer
 from stable_baselines3.common.type_aliases import DictReplayBufferSamples, TensorDict
 from stable_baselines3.common.vec_env import VecNormalize
 
-from hexwar_sb3.algorithms.parts import FLAGS, check_box, check_flags
+from hexwar_sb3.algorithms.parts import FLAGS, MOST_REWARD, check_box, check_flags
 from hexwar_sb3.algorithms.td_targets import n_step_return
-from hexwar_sb3.engine.fields import check_all, check_form, check_names, check_range, refuse
+from hexwar_sb3.engine.fields import check_form, check_names, check_range, refuse
 from hexwar_sb3.errors import ConfigError, TrainingError
 
 
@@ -149,9 +149,8 @@ class TimedReplayBuffer(DictReplayBuffer):
                 check_box(name, parts[name], box)
                 if key in FLAGS:
                     check_flags(name, parts[name])
-        for name in ("rewards", "steps"):
-            check_all(name, np.isfinite(parts[name]), parts[name], "finite numbers")
-        check_all("steps", parts["steps"] >= 0.0, parts["steps"], "at least 0")
+        check_range("rewards", parts["rewards"], -MOST_REWARD, MOST_REWARD)
+        check_range("steps", parts["steps"], 0.0, MOST_REWARD)
         for name in ("dones", "timeouts"):
             check_flags(name, parts[name])
         if isinstance(self.action_space, spaces.Discrete):

@@ -58,7 +58,7 @@ BRAIN_FIELDS = (
     Field("contact_at", "i2", -1, "tick"),
     Field("point", "i1", 0, "last_point", (MAX_SIDE,)),
     Field("post", "i2", NO_CELL, "last_cell", (MAX_SIDE,)),
-    Field("dropped_for", "i1", 0, "points", (MAX_SIDE,)),
+    Field("dropped_for", "i1", 0, ("last_point", 1), (MAX_SIDE,)),
     Field("taker", "i1", -1, MAX_SIDE - 1, (MAX_POINTS,)),
     Field("keeper", "i1", -1, MAX_SIDE - 1, (MAX_POINTS,)),
     Field("rush", "u1", 0, 1),

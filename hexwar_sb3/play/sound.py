@@ -51,12 +51,13 @@ def _check_plans(world: World, state: State, plans: Rows, bounds: Bounds) -> Non
     fits = np.where(of_enemy, named & (target.camp != pieces.camp), ~named)
     fits = np.where(boards, named & (target.camp == pieces.camp) & (target.kind == PieceType.CHARIOT), fits)
     check_all("plans.target", fits, plans.target, "an enemy, a chariot or nobody, as the kind of task has it")
-    somewhere = (plans.cell != NO_CELL) & (cells.playable[plans.cell] == 1) & np.isin(plans.kind, _AT_CELL)
+    playable = cells.playable == 1
+    playable[0] |= not world.scenario.points  # where bots then see their point
+    somewhere = (plans.cell != NO_CELL) & playable[plans.cell] & np.isin(plans.kind, _AT_CELL)
     check_all(
         "plans.cell", (plans.cell == NO_CELL) | somewhere, plans.cell, "a playable cell, for a task at a cell"
     )
-    playable = (plans.goal == NO_CELL) | (cells.playable[plans.goal] == 1)
-    check_all("plans.goal", playable, plans.goal, "a playable cell")
+    check_all("plans.goal", (plans.goal == NO_CELL) | playable[plans.goal], plans.goal, "a playable cell")
     goes = (plans.direction == 0) | (plans.state == WALKING)
     on_way = (pieces.arrives_at != NEVER) & (plans.direction > 0)
     beside = cells.neighbour[pieces.cell, np.maximum(plans.direction, 1) - 1]

@@ -10,7 +10,7 @@ from gymnasium import spaces
 from numpy.typing import NDArray
 
 from hexwar_sb3.algorithms.timed_replay import TimedReplayBuffer
-from hexwar_sb3.errors import ConfigError, TrainingError
+from hexwar_sb3.errors import CheckpointError, ConfigError, TrainingError
 
 Obs = dict[str, NDArray[Any]]
 
@@ -107,3 +107,31 @@ def test_a_full_replay_goes_into_a_larger_one() -> None:
     larger.add(*row(2, reward=7.0), [{}] * 2)
 
     assert sorted(larger.snapshot()["rewards"][:, 0].tolist()) == [2.0, 3.0, 4.0, 5.0, 6.0, 7.0]
+
+
+WRONG = {"nan": np.nan, "inf": np.inf, "least": -np.inf, "huge": 1e30}
+
+
+def test_every_array_of_a_stored_replay_is_checked() -> None:
+    """Numbers that are none, out of range, of another type or shape; nothing is taken over then."""
+    replay, other = small_replay(2), small_replay(2)
+    for k in range(3):
+        replay.add(*row(2, reward=k), [{"steps": k}] * 2)
+    parts = replay.snapshot()
+    for name, array in parts.items():
+        broken: list[Any] = [array.astype(np.float16), array[None], np.full(array.shape, "x"), None]
+        if array.dtype.kind == "f":
+            broken += [np.full_like(array, value) for value in WRONG.values()]
+        else:
+            broken += [
+                np.full_like(array, np.iinfo(array.dtype).min),
+                np.full_like(array, np.iinfo(array.dtype).max),
+            ]
+        for one in broken:
+            with pytest.raises((CheckpointError, ConfigError)):
+                other.restore({**parts, name: one})
+        with pytest.raises(CheckpointError, match=f"no '{name}'"):
+            other.restore({key: value for key, value in parts.items() if key != name})
+    assert other.size() == 0
+    other.restore(parts)
+    assert other.size() == 3

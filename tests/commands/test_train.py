@@ -197,6 +197,57 @@ def test_a_killed_training_goes_on_to_the_weights_of_an_unbroken_one(hexwar: Com
     assert weights_hash(tmp_path / "killed_1") == weights_hash(tmp_path / "whole_1")
 
 
+KILLED_WHILE_IT_WRITES = """
+import os, signal, sys
+from hexwar_sb3.algorithms import checkpoint, parts
+from hexwar_sb3.cli import main
+nth, moment = int(sys.argv.pop(1)), float(sys.argv.pop(1))
+write, save, saved = parts.npy.write_array, checkpoint.write_arrays, []
+def save_and_die(file, arrays):
+    saved.append(len(arrays))
+    if len(saved) < nth:
+        return save(file, arrays)
+    left = int(moment * len(arrays))  # arrays that are written before the end
+    def write_some(*args, **options):
+        nonlocal left
+        if left <= 0:
+            file.flush()
+            os.kill(os.getpid(), signal.SIGKILL)
+        left -= 1
+        return write(*args, **options)
+    parts.npy.write_array = write_some
+    save(file, arrays)
+    os.kill(os.getpid(), signal.SIGKILL)  # all is written, and the old file is still in its place
+checkpoint.write_arrays = save_and_die
+main()
+"""
+
+
+@pytest.mark.slow
+def test_a_training_that_is_killed_while_it_writes_goes_on_and_leaves_nothing(
+    hexwar: Command, tmp_path: Path
+) -> None:
+    """At ten moments of writing, in the second and third checkpoint."""
+    arguments = ("train", *SMALL, "-n", "400", "--lower", "heuristic", "--runs", str(tmp_path))
+    hexwar(*arguments, "--name", "whole")
+    whole = weights_hash(tmp_path / "whole_1")
+    for k in range(10):
+        nth, moment = str(2 + k % 2), str(k / 9)
+        run = tmp_path / f"killed{k}_1"
+        killed = subprocess.run(
+            [sys.executable, "-c", KILLED_WHILE_IT_WRITES, nth, moment, *arguments, "--name", f"killed{k}"],
+            check=False,
+        )
+        assert killed.returncode == -signal.SIGKILL
+        assert list(run.glob(".new-*")), "nothing was being written"
+
+        code, _, _ = hexwar("train", "--resume", str(run))
+
+        assert code == 0
+        assert not list(run.rglob(".new-*"))
+        assert weights_hash(run) == whole
+
+
 def test_ctrl_c_saves_and_says_how_to_resume(
     hexwar: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

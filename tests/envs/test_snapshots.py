@@ -19,8 +19,9 @@ from hexwar_sb3.engine.sound import TABLES
 from hexwar_sb3.envs.registration import make_vec_env
 from hexwar_sb3.errors import CheckpointError, ConfigError
 from hexwar_sb3.maps.files import load_scenario
-from hexwar_sb3.maps.scenario import Scenario
+from hexwar_sb3.maps.scenario import PieceStart, Scenario
 from hexwar_sb3.play.records import BRAIN_FIELDS
+from hexwar_sb3.rules.enums import PieceType
 
 PROGRAM = Path(__file__).with_name("broken_snapshots.py")
 KINDS = ("red", "blue", "both", "route", "flat")
@@ -59,6 +60,10 @@ def check_every_step(env: Any, other: Any, steps: int) -> None:
         assert dones.tolist() == other_dones.tolist()
 
 
+def chariots_first(pieces: list[PieceStart]) -> list[PieceStart]:
+    return sorted(pieces, key=lambda piece: piece.kind != PieceType.CHARIOT)
+
+
 def odd(name: str = "plain") -> list[Scenario]:
     """No control points, one piece against many, a game of a few ticks, nobody's soldiers aboard."""
     plain = load_scenario(name)
@@ -66,6 +71,7 @@ def odd(name: str = "plain") -> list[Scenario]:
     ashore = [replace(piece, aboard=False, kind=piece.kind) for piece in plain.pieces if piece.home is None]
     return [
         replace(plain, name="pointless", points=()),
+        replace(plain, name="carried", points=(), pieces=(*chariots_first(red), *chariots_first(blue))),
         replace(plain, name="one", pieces=(red[0], *blue)),
         replace(plain, name="short", game_ticks=130),
         replace(plain, name="ashore", pieces=tuple(ashore), net_score=not plain.net_score),

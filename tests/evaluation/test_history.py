@@ -1,12 +1,14 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from hexwar_sb3.errors import FileFormatError
-from hexwar_sb3.evaluation.history import History
+from hexwar_sb3.evaluation.history import KEYS, History
 from hexwar_sb3.evaluation.panel import Panel
 from hexwar_sb3.evaluation.results import CampResult
 
@@ -54,3 +56,53 @@ def test_a_broken_file_says_where_and_what(tmp_path: Path) -> None:
 
     with pytest.raises(FileFormatError, match=r"evaluations\.npz: file: found .*; expected arrays"):
         History.load(tmp_path / "evaluations.npz")
+
+
+def changed(key: str, array: NDArray[Any]) -> dict[str, NDArray[Any]]:
+    """What may stand in place of an array, by what is wrong with it."""
+    return {
+        "not a number": np.full(array.shape, np.nan),
+        "text": np.full(array.shape, "x"),
+        "complex": array * 1j,
+        "shorter": array[:-1],
+        "an axis more": array[None],
+        "below 0": array - 1e6 if key != "results" else np.full(array.shape, np.inf),
+    }
+
+
+@pytest.mark.parametrize("key", KEYS)
+def test_an_array_that_does_not_fit_is_refused(key: str, history: History, tmp_path: Path) -> None:
+    path = tmp_path / "evaluations.npz"
+    history.save(path)
+    with np.load(path) as file:
+        arrays = dict(file)
+
+    for wrong, array in changed(key, arrays[key]).items():
+        np.savez(path, **{**arrays, key: array})
+        with pytest.raises(FileFormatError, match=r"evaluations\.npz: file: found "):
+            pytest.fail(f"{wrong}: {History.load(path)}")
+
+
+@pytest.mark.parametrize("how", ["array", "flipped", "missing", "folder"])
+def test_a_file_that_is_none_is_refused(how: str, history: History, tmp_path: Path) -> None:
+    path = tmp_path / "evaluations.npz"
+    history.save(path)
+    data = bytearray(path.read_bytes())
+    path.unlink()
+    if how == "array":
+        with path.open("wb") as file:
+            np.save(file, np.zeros(3))
+    elif how == "flipped":
+        data[len(data) // 4] ^= 255
+        path.write_bytes(data)
+    elif how == "folder":
+        path.mkdir()
+
+    with pytest.raises(FileFormatError, match=r"evaluations\.npz: .*found "):
+        History.load(path)
+
+
+def test_a_run_without_evaluations_has_none(tmp_path: Path) -> None:
+    History().save(tmp_path / "evaluations.npz")
+
+    assert History.load(tmp_path / "evaluations.npz") == History()
