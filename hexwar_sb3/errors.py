@@ -56,6 +56,13 @@ class UnknownSettingError(UnknownNameError, TypeError):
 
     says = "got an unexpected keyword argument {name!r}: unknown {kind}"
 
+    def __init__(self, kind: str, name: str | None = None, known: Iterable[str] = ()) -> None:
+        if name is None:  # `gymnasium.make` makes a TypeError anew, from its text and no more
+            self.parts, self.message = (kind,), kind  # type: ignore[assignment]
+            Exception.__init__(self, kind)
+        else:
+            super().__init__(kind, name, known)
+
 
 class BusyError(HexWarError, RuntimeError):
     """A folder that another process is working in."""

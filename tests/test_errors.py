@@ -6,7 +6,7 @@ import pickle
 
 import pytest
 
-from hexwar_sb3.errors import FileFormatError, HexWarError, UnknownNameError
+from hexwar_sb3.errors import FileFormatError, HexWarError, UnknownNameError, UnknownSettingError
 from hexwar_sb3.maps.scenario import Problem, StartError
 
 
@@ -30,3 +30,11 @@ def test_an_error_is_the_same_in_another_process(kind: type[HexWarError]) -> Non
     assert type(again) is kind
     assert str(again) == str(error)
     assert vars(again) == vars(error)
+
+
+def test_a_keyword_error_can_be_made_anew_from_its_text() -> None:
+    """As `gymnasium.make` does with every TypeError of an env that it makes."""
+    first = UnknownSettingError("setting", "frameskip", ["side"])
+    again = type(first)(f"{first} was raised from the environment creator")
+    assert "got an unexpected keyword argument 'frameskip'" in str(again)
+    assert str(pickle.loads(pickle.dumps(again))) == str(again)  # noqa: S301 - our own bytes

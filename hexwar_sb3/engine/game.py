@@ -61,9 +61,9 @@ class Game:
     ) -> None:
         self.world = load_world(scenario, ruleset)
         self.roster = Roster(self.world.scenario)
-        self.seed = seed
+        self.seed = check_whole("seed", seed, least=0)
         self.state: State = new_state(self.world, 1, LOG_ROWS)
-        reset_game(self.state, 0, self.world, seed)
+        reset_game(self.state, 0, self.world, self.seed)
         self.recorder = Recorder(self.world)
         self._given: dict[int, Order] = {}
 

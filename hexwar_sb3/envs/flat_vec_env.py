@@ -36,7 +36,7 @@ class FlatVecEnv(NativeVecEnv):
 
     def step_wait(self) -> VecEnvStepReturn:
         """Play one turn of every game."""
-        span = self.games.play(np.asarray(self._actions))
+        span = self.games.play(self._actions)
         obs = self.games.observe()
         infos = [self._info(b, span, obs) for b in range(self.num_envs)]
         if span.over.any():

@@ -56,7 +56,7 @@ class RouteEnv(gymnasium.Env[Obs, np.int64]):
         if seed is not None:
             self.venv.seed(seed)
             self._next = None
-        super().reset(seed=seed)
+        super().reset(seed=None if seed is None else int(seed))  # Gymnasium takes no integers of numpy
         obs, self._next = self._next or _first(self.venv.reset()), None
         return obs, {}
 

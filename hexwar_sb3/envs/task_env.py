@@ -51,7 +51,7 @@ class TaskEnv(gymnasium.Env[Obs, NDArray[np.int64]]):
         """Start the next episode; with a seed, the first one of that seed. A new env draws one."""
         if seed is not None:
             self.games.seed(seed)
-        super().reset(seed=seed)
+        super().reset(seed=None if seed is None else int(seed))  # Gymnasium takes no integers of numpy
         self.games.begin(self.games.all)
         return self._observe(), {}
 

@@ -41,7 +41,7 @@ class TaskVecEnv(NativeVecEnv):
 
     def step_wait(self) -> VecEnvStepReturn:
         """Play one decision of every game."""
-        span = self.games.play(np.asarray(self._actions))
+        span = self.games.play(self._actions)
         self.games.turn()
         obs = self.games.look(self.games.all)
         current = self.games.current_tasks(obs)

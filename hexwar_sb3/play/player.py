@@ -161,7 +161,7 @@ class Mixture:
 
     def __post_init__(self) -> None:
         weights = np.asarray(self.weights, dtype=np.float64)
-        if not self.players or not (weights >= 0).all() or not 0 < weights.sum() < np.inf:
+        if not self.players or not (weights >= 0).all() or not 0 < sum(self.weights) < np.inf:
             raise ConfigError(
                 f"opponents need finite weights >= 0 with a positive sum, got {shortened(str(self.weights))}"
             )

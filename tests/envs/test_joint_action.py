@@ -11,6 +11,7 @@ from gymnasium import spaces
 from numpy.typing import NDArray
 from pettingzoo import ParallelEnv
 from pettingzoo.test import parallel_api_test
+from pettingzoo.utils.conversions import aec_to_parallel_wrapper, parallel_to_aec_wrapper
 from stable_baselines3.common.env_checker import check_env
 from stable_baselines3.common.env_util import make_vec_env
 
@@ -236,3 +237,144 @@ def test_resets_are_equal() -> None:
 def test_an_env_of_one_agent_is_refused() -> None:
     with pytest.raises(ConfigError, match="takes a PettingZoo ParallelEnv, got TimeLimit"):
         JointActionEnv(gymnasium.make("CartPole-v1"))
+
+
+class Late(Endless):
+    """b comes with the second step, when a has gone; infos are missing, and nobody has a state."""
+
+    metadata = {"name": "late_v0"}  # noqa: RUF012
+
+    def state(self) -> NDArray[Any]:
+        raise NotImplementedError  # as aec_to_parallel does where the game inside has none
+
+    def reset(self, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, Any]:
+        self.agents, self.moment = ["a"], 0
+        return {"a": np.ones(1, np.float32)}, {}
+
+    def step(self, actions: dict[str, int]) -> tuple[Any, Any, Any, Any, Any]:
+        assert list(actions) == self.agents
+        self.moment += 1
+        gone, self.agents = self.agents, ["b"] if self.moment == 1 else []
+        seen = dict.fromkeys((*gone, *self.agents), np.ones(1, np.float32))
+        return seen, dict.fromkeys(gone, 1.0), dict.fromkeys(gone, True), dict.fromkeys(gone, False), {}
+
+
+def test_an_agent_that_has_not_come_yet_is_dead_until_it_comes() -> None:
+    env = JointActionEnv(Late())
+    assert "state" not in space_of(env).spaces
+    obs, _ = env.reset()
+    assert obs["alive"].tolist() == [1, 0]
+    assert obs["obs"].tolist() == [[1, 1, 0], [0, 0, 1]]
+    assert obs["action_mask"].tolist() == [[1, 1], [1, 0]]
+    assert space_of(env).contains(obs)
+
+    obs, reward, over, _, _ = env.step(np.array([1, 0]))
+    assert (obs["alive"].tolist(), reward, over) == ([0, 1], 1.0, False)
+    _, _, over, cut, _ = env.step(np.array([0, 1]))
+    assert (over, cut) == (True, False)
+    with pytest.raises(ConfigError, match="reset the env"):
+        env.step(np.array([0, 0]))
+
+
+def test_a_turn_based_game_without_a_state_is_taken() -> None:
+    class TurnBased(Endless):
+        metadata = {"name": "turns_v0", "is_parallelizable": True}  # noqa: RUF012
+        render_mode = None
+
+    env = JointActionEnv(aec_to_parallel_wrapper(parallel_to_aec_wrapper(TurnBased())))
+    assert "state" not in space_of(env).spaces
+    assert space_of(env).contains(env.reset()[0])
+    assert env.step(np.array([0, 1]))[1] == 1.0
+
+
+BOX = spaces.Box(0.0, 1.0, (2,))
+
+
+@pytest.mark.parametrize(
+    "space",
+    [
+        spaces.Tuple((BOX, BOX)),
+        spaces.Dict({"a": BOX, "b": BOX}),
+        spaces.Dict({"observation": spaces.Dict({"a": BOX})}),
+        spaces.Dict({"observation": spaces.Tuple((BOX,))}),
+        spaces.Sequence(BOX),
+        spaces.Text(5),
+        spaces.Dict({"observation": BOX, "action_mask": spaces.Box(0, 1, (9,), np.int8)}),
+    ],
+)
+def test_observations_that_are_no_single_array_are_refused_at_once(space: spaces.Space[Any]) -> None:
+    class Other(Endless):
+        def observation_space(self, agent: str) -> spaces.Space[Any]:
+            return space
+
+    with pytest.raises(ConfigError, match="agent 'a' has"):
+        JointActionEnv(Other())
+
+
+@pytest.mark.parametrize("space", [spaces.MultiBinary(2), spaces.MultiDiscrete([2, 2]), spaces.Tuple((BOX,))])
+def test_actions_that_are_not_discrete_are_refused_at_once(space: spaces.Space[Any]) -> None:
+    class Other(Endless):
+        def action_space(self, agent: str) -> Any:
+            return space
+
+    with pytest.raises(ConfigError, match="needs Discrete actions"):
+        JointActionEnv(Other())
+
+
+@pytest.mark.parametrize("space", [spaces.Discrete(2), spaces.MultiBinary(1), spaces.MultiDiscrete([3])])
+def test_observations_of_whole_numbers_are_taken(space: spaces.Space[Any]) -> None:
+    class Other(Endless):
+        def observation_space(self, agent: str) -> spaces.Space[Any]:
+            return space
+
+    env = JointActionEnv(Other())
+    assert env.observation_space.contains(env.reset()[0])
+
+
+def test_an_env_without_possible_agents_and_a_state_without_numbers_are_refused() -> None:
+    class Nobody(Endless):
+        possible_agents: list[str] = []  # noqa: RUF012
+
+    class Wordy(Endless):
+        def state(self) -> Any:
+            return {"a": 1}
+
+    with pytest.raises(ConfigError, match="possible_agents"):
+        JointActionEnv(Nobody())
+    with pytest.raises(ConfigError, match=r"env.state\(\) is no array of numbers"):
+        JointActionEnv(Wordy())
+    assert JointActionEnv(Wordy(), privileged_state=False).reset()
+
+
+@pytest.mark.parametrize(
+    "action",
+    [[0.0, 1.9], [0, 2], [0, -1], [0], [0, 0, 0], [[0, 0]], None, ["0", "1"], [True, False], [0, [1]]],
+)
+def test_joint_actions_that_are_none_are_refused(action: Any) -> None:
+    env = JointActionEnv(Endless())
+    with pytest.raises(ConfigError, match="reset the env"):
+        env.step(np.array([0, 0]))
+    env.reset()
+    with pytest.raises(
+        ConfigError, match=r"actions must be whole numbers of shape \(2,\)|has the actions 0\.\.1"
+    ):
+        env.step(action)
+
+
+def test_observations_and_masks_of_another_size_than_promised_are_told() -> None:
+    class Grows(Endless):
+        masks: Any = None
+
+        def step(self, actions: dict[str, int]) -> tuple[Any, Any, Any, Any, Any]:
+            seen, *rest, _ = super().step(actions)
+            infos = {"a": {"action_mask": self.masks}} if self.masks is not None else {}
+            return dict.fromkeys(seen, np.ones(1 if infos else 3, np.float32)), *rest, infos
+
+    env = JointActionEnv(Grows())
+    env.reset()
+    with pytest.raises(ConfigError, match="agent 'a' observes 3 numbers, its space has 1"):
+        env.step(np.array([0, 0]))
+    Grows.masks = np.ones(5)
+    env.reset()
+    with pytest.raises(ConfigError, match=r"action_mask of agent 'a' has the shape \(5,\), expected \(2,\)"):
+        env.step(np.array([0, 0]))

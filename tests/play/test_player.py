@@ -118,7 +118,42 @@ def test_opponents_without_weights_are_equally_likely() -> None:
     assert make_mixture(["MA1", "MA2"]).weights == (1.0, 1.0)
 
 
-@pytest.mark.parametrize("opponent", [[], [("MA1", -1)], [("MA1", 0)]])
-def test_impossible_weights_are_refused(opponent: list[object]) -> None:
+NAN, INF = float("nan"), float("inf")
+
+
+@pytest.mark.parametrize(
+    "opponent",
+    [
+        [],
+        (),
+        [("MA1", -1)],
+        [("MA1", 0)],
+        [("MA1", NAN)],
+        [("MA1", INF)],
+        [("MA1", 1), ("MA2", NAN)],
+        [("MA1", 1e308), ("MA2", 1e308)],
+    ],
+)
+def test_impossible_weights_are_refused(opponent: object) -> None:
     with pytest.raises(ConfigError, match="weights"):
+        make_mixture(opponent)
+
+
+@pytest.mark.parametrize(
+    "opponent",
+    [[["MA1", 3], ["MA2", 1]], (["MA1", 3.0], ("MA2", np.int64(1))), [("MA1", np.float32(3)), ["MA2", 1]]],
+)
+def test_weights_come_as_json_gives_them_too(opponent: object) -> None:
+    mixture = make_mixture(opponent)
+    assert (mixture.weights, mixture.names) == ((3.0, 1.0), ("MA1", "MA2"))
+    assert mixture == make_mixture([("MA1", 3), ("MA2", 1)])
+
+
+@pytest.mark.parametrize(
+    "opponent",
+    [[["MA1", "2"]], [("MA1", True)], [("MA1", None)], [["MA1"]], [["MA1", 1, 2]], [[]], [[["MA1", 1]]], ["MA1", 2],
+     {"MA1": 2}, None, 3, (name for name in ["MA1"]), [FirstTask]],
+)  # fmt: skip
+def test_opponents_in_another_form_are_refused_in_words(opponent: object) -> None:
+    with pytest.raises(ConfigError, match="player"):
         make_mixture(opponent)

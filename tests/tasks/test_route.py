@@ -22,7 +22,7 @@ from hexwar_sb3.maps.terrain import Terrain
 from hexwar_sb3.maps.travel import TOO_FAR
 from hexwar_sb3.rules import default_rules
 from hexwar_sb3.rules.enums import Camp, HopClass, PieceType
-from hexwar_sb3.tasks.features import MOST, PER_CELL, PER_DETOUR, PER_HOP, PER_LEVEL, index
+from hexwar_sb3.tasks.features import BOUND, MOST, PER_CELL, PER_DETOUR, PER_HOP, PER_LEVEL, index
 from hexwar_sb3.tasks.records import TaskKind
 from hexwar_sb3.tasks.route import STAY, has_way, new_route_buffers, observe_route
 
@@ -169,6 +169,28 @@ def test_a_detour_is_what_a_direction_loses_against_the_fastest_way(board: Terra
 
     soldier = View(board, SOLDIER, MIDDLE, GOAL).around("detour")
     assert soldier == pytest.approx([0, PER_DETOUR, 2 * PER_DETOUR, 0, 2 * PER_DETOUR, PER_DETOUR])
+
+
+def test_a_direction_back_to_where_a_way_is_known_loses_nothing_and_stays_in_the_space() -> None:
+    """Ways of more than 254 base hops count as none: behind such a place a way begins, much shorter than none."""
+    width, rows = 99, []
+    for y in range(13):  # a path to and fro, in seven rows
+        open_row = "." * (width - y % 2)
+        door = "." + "~" * (len(open_row) - 1) if y % 4 == 3 else "~" * (len(open_row) - 1) + "."
+        rows.append(open_row if y % 2 == 0 else door)
+    flat = "\n".join(" ".join("0" * len(row)) for row in rows)
+    long = Terrain(make_map("\n".join(rows), flat), default_rules())
+    eta = long.eta[HopClass.VEHICLE, 0]
+    behind = [c for c in np.flatnonzero(long.cells.passable) if eta[c] == TOO_FAR]
+    edge = next(
+        c for c in behind if any(eta[n] == TOO_FAR - 1 for n in long.cells[c].neighbour if n != NO_CELL)
+    )
+
+    view = View(long, TANK, int(edge), 0)
+
+    assert view["goal: way"] == [MOST]
+    assert min(view.around("detour")) == -MOST
+    assert np.abs(view.state).max() <= BOUND
 
 
 def test_without_ways_only_way_and_detours_are_missing(board: Terrain) -> None:
