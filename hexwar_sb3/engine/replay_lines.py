@@ -25,6 +25,7 @@ from hexwar_sb3.maps.scenario import MAX_CONTROL_POINTS, MAX_GAME_TICKS, MAX_SID
 from hexwar_sb3.rules.enums import Camp
 
 MAX_CHANGES = 2_000  # by hand, in all edits of a game; an edit counts once itself
+STEPS_A_CHANGE = 5  # of a path by hand, which costs as much as a change
 MAX_LOOKS = MAX_GAME_TICKS // STATE_TICKS + 2  # lines of states or views
 MAX_CHARACTERS = 10_000  # of a text; an order of a whole path has 520
 MOST = 2**31 - 1
@@ -229,7 +230,7 @@ def _check_line(line: Line, source: Path, place: str) -> None:
 
 def _cost(change: Sequence[Any]) -> int:
     """A change by hand counts once, a path by its length."""
-    return 1 + (len(change[2]) // 5 if isinstance(change[2], list | tuple) else 0)
+    return 1 + (len(change[2]) // STEPS_A_CHANGE if isinstance(change[2], list | tuple) else 0)
 
 
 class _Limits:
