@@ -278,7 +278,7 @@ def test_an_agent_that_has_not_come_yet_is_dead_until_it_comes() -> None:
 
 def test_a_turn_based_game_without_a_state_is_taken() -> None:
     class TurnBased(Endless):
-        metadata = {"name": "turns_v0", "is_parallelizable": True}  # noqa: RUF012
+        metadata: dict[str, Any] = {"name": "turns_v0", "is_parallelizable": True}  # noqa: RUF012
         render_mode = None
 
     env = JointActionEnv(aec_to_parallel_wrapper(parallel_to_aec_wrapper(TurnBased())))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 import gymnasium
@@ -67,7 +66,7 @@ def test_a_seed_is_a_game_and_later_resets_go_on(env_id: str) -> None:
 
 @pytest.mark.parametrize("env_id", ENVS)
 def test_native_envs_draw_a_seed_too_where_none_is_given(env_id: str) -> None:
-    drawn = {make_vec_env(env_id).unwrapped.seed(None)[0] for _ in range(4)}  # type: ignore[attr-defined]
+    drawn = {make_vec_env(env_id).unwrapped.seed(None)[0] for _ in range(4)}
     assert len(drawn) > 1
     envs: list[Any] = [make_vec_env(env_id).unwrapped for _ in range(4)]
     firsts = {env.first_seed if env_id == ROUTE_ENV else env.games.first_seed for env in envs}
@@ -88,19 +87,24 @@ def test_stock_envs_side_by_side_are_not_one_game() -> None:
     assert len(games) > 1
 
 
-SEEDED: dict[str, Callable[[Any], object]] = {
-    **{f"make {env_id}": lambda seed, env_id=env_id: make_vec_env(env_id, seed=seed) for env_id in ENVS},  # type: ignore[misc]
-    **{f"seed {env_id}": lambda seed, env_id=env_id: make_vec_env(env_id).seed(seed) for env_id in ENVS},  # type: ignore[misc]
-    **{
-        f"reset {env_id}": lambda seed, env_id=env_id: gymnasium.make(env_id).unwrapped.reset(seed=seed)
-        for env_id in ENVS
-    },  # type: ignore[misc]
-    "parallel": lambda seed: parallel_env().reset(seed=seed),
-}
+def make_single(env_id: str) -> Any:
+    return gymnasium.make(env_id).unwrapped
 
 
-@pytest.mark.parametrize("entrance", SEEDED)
+@pytest.mark.parametrize("env_id", ENVS)
 @pytest.mark.parametrize("seed", WRONG)
-def test_a_seed_that_is_none_is_refused_at_once(seed: object, entrance: str) -> None:
+def test_a_seed_that_is_none_is_refused_at_once(seed: Any, env_id: str) -> None:
+    env, batch = make_single(env_id), make_vec_env(env_id, seed=0)
+    for give in (
+        lambda: make_vec_env(env_id, seed=seed),
+        lambda: batch.seed(seed),
+        lambda: env.reset(seed=seed),
+    ):
+        with pytest.raises(ConfigError, match="seed must be"):
+            give()
+
+
+@pytest.mark.parametrize("seed", WRONG)
+def test_parallel_envs_refuse_it_too(seed: Any) -> None:
     with pytest.raises(ConfigError, match="seed must be"):
-        SEEDED[entrance](seed)
+        parallel_env().reset(seed=seed)
