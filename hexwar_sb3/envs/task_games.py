@@ -13,21 +13,21 @@ from numpy.typing import NDArray
 from hexwar_sb3.bots.config import bots_hash
 from hexwar_sb3.bots.registry import BOTS
 from hexwar_sb3.checks import check_whole
-from hexwar_sb3.engine.fields import check_all, check_form, check_names, check_range, refuse
+from hexwar_sb3.engine.fields import check_all
 from hexwar_sb3.engine.roster import SIDES, camp_name, enemy_of, parse_camp
 from hexwar_sb3.engine.state import State
 from hexwar_sb3.engine.world import World, load_world
 from hexwar_sb3.envs.settings import TaskSettings
-from hexwar_sb3.errors import ConfigError, shortened
+from hexwar_sb3.envs.snapshots import check_games, check_opponents, check_origin, check_seats
+from hexwar_sb3.errors import ConfigError
 from hexwar_sb3.kernels import Rows
 from hexwar_sb3.play.arena import Arena, Games, Setup, Snapshot
 from hexwar_sb3.play.fit import check_actions, check_fit
 from hexwar_sb3.play.look import Sight
-from hexwar_sb3.play.lower import KEPT
 from hexwar_sb3.play.lower_policy import make_lower
 from hexwar_sb3.play.player import BotPlayer, Mixture, Seat, make_mixture, make_player
 from hexwar_sb3.play.records import EXTERNAL
-from hexwar_sb3.play.seeds import MOST_SEED, chosen_seed, episode_draw, game_seed
+from hexwar_sb3.play.seeds import chosen_seed, episode_draw, game_seed
 from hexwar_sb3.play.warm import WARM_TICKS, send_out
 from hexwar_sb3.rules.enums import Camp
 from hexwar_sb3.tasks.features import BOUND, index
@@ -37,8 +37,6 @@ Obs = dict[str, NDArray[Any]]
 
 CAMPS_OF = {"red": ("red",), "blue": ("blue",), "both": ("red", "blue")}  # that a side stands for
 _UNDER_WAY = index("row", 1, 1, 1)["task: under way"].start  # column of a task row
-
-MOST_EPISODES = 2**62  # far below the end of int64
 
 _DEMO_STREAM, _WARM_STREAM = 2, 3  # of an episode's draws; 1 is the opponent's
 
@@ -100,7 +98,7 @@ class TaskGames:
         for b in which:
             episode, self._next_episode = self._next_episode, self._next_episode + 1
             self.episodes[b] = episode
-            self.camps[b] = self._camp_of(episode)
+            self.camps[b] = self.camp_of(episode)
             self.opponents[b] = self.mixture.draw(self._seed, episode)
             self.rivals[b] = self.mixture.players[self.opponents[b]]
             draw = episode_draw(self._seed, episode, _DEMO_STREAM).random()
@@ -200,7 +198,7 @@ class TaskGames:
         """Everything that changes in play, as arrays without objects."""
         slots = {name: array.copy() for name, array in self._slots().items()}
         counters = np.array([self._seed, self._next_episode], np.int64)
-        return {**self.arena.snapshot(), **slots, "counters": counters, "origin": self._origin()}
+        return {**self.arena.snapshot(), **slots, "counters": counters, "origin": self.origin}
 
     def restore(self, snapshot: Snapshot, waiting: NDArray[np.uint32] | None = None) -> Obs:
         """Go on where `snapshot` was taken, in an env of the same settings; the observation there.
@@ -242,55 +240,23 @@ class TaskGames:
         Raises:
             ConfigError, CheckpointError: as `restore`.
         """
-        self._check_origin(snapshot)
-        names, slots = set(self.arena.snapshot()), self._slots()
-        check_names(snapshot, [*names, *slots, "counters", "origin"])
-        for name, array in slots.items():
-            check_form(name, snapshot[name], array.dtype, array.shape)
-        check_form("counters", snapshot["counters"], np.int64, (2,))
-        for number, most in zip(snapshot["counters"], (MOST_SEED, MOST_EPISODES), strict=True):
-            check_range("counters", number, 0, most)
-        check_range("episodes", snapshot["episodes"], 0, MOST_EPISODES)  # -1: no game has begun there
-        state, plans, drives = self.arena.check({name: snapshot[name] for name in names})
+        check_origin(snapshot, self.origin)
+        state, plans, drives = check_games(snapshot, self.arena, self._slots())
         check_all(
             "drives.waiting", drives.waiting == (0 if waiting is None else waiting), drives.waiting, "none"
         )
         self._check_slots(snapshot, state, drives)
         return state, plans, drives
 
-    def _check_origin(self, snapshot: Snapshot) -> None:
-        own, origin = self._origin(), snapshot.get("origin")
-        if origin is None or origin.dtype.kind != "U" or origin.shape != own.shape:
-            refuse("origin", "something else", "names of rules, scenario and bots")
-        for mine, its in zip(own, origin, strict=True):
-            if mine != its:
-                raise ConfigError(f"these games were saved with {shortened(its)}, this env has {mine}")
-
     def _check_slots(self, snapshot: Snapshot, state: State, drives: Rows) -> None:
         """Check who plays which camp against whom."""
-        camps, opponents, demos = (snapshot[name] for name in ("camps", "opponents", "demos"))
-        own = np.array([self._camp_of(int(episode)) for episode in snapshot["episodes"]])
+        camps = snapshot["camps"]
+        own = np.array([self.camp_of(int(episode)) for episode in snapshot["episodes"]])
         check_all("camps", camps == own, camps, "the camp of the episode")
-        check_range("opponents", opponents, 0, MOST_EPISODES)
-        least, most = int(opponents.max()) + 1, len(self.mixture.players)
-        if most < least:
-            raise ConfigError(
-                f"these games were saved with {least} opponents or more, this env has {most}: set them first"
-                " (SelfPlayCallback.seat does)"
-            )
-        bot = self.demo_bot.bot if isinstance(self.demo_bot, BotPlayer) else EXTERNAL
-        check_all("demos", ~demos | (self.demo_bot is not None), demos, "a demo_bot to play them")
-        seats = drives.seat[self.all, camps]
-        check_all("drives.seat", seats == np.where(demos, bot, EXTERNAL), seats, "nobody but the learner")
+        check_opponents(snapshot["opponents"], len(self.mixture.players))
+        check_seats(snapshot, drives, self.demo_bot, keeps_answers=self.keeps_answers)
         for b in self.all:
-            self._rival(opponents[b], drives.seat[b, 1 - camps[b]])
-        rivals = 1 - camps
-        asked = np.where(drives.seat == EXTERNAL, 1, np.arange(2) == camps[:, None])
-        check_all(
-            "drives.asked", drives.asked == asked, drives.asked, "1 for the learner, and where no bot sits"
-        )
-        kept = (drives.lower == KEPT) & (self.keeps_answers | (np.arange(2) == rivals[:, None]))
-        check_all("drives.lower", (drives.lower != KEPT) | kept, drives.lower, "a lower level that is asked")
+            self._rival(snapshot["opponents"][b], drives.seat[b, 1 - camps[b]])
 
     def _rival(self, opponent: int, seat: int) -> Seat:
         """Who plays on against the learner: a bot that began a game ends it, whatever the mixture has now.
@@ -308,7 +274,9 @@ class TaskGames:
             )
         return player
 
-    def _origin(self) -> NDArray[np.str_]:
+    @property
+    def origin(self) -> NDArray[np.str_]:
+        """Where the games come from: rules, scenario and bots by their hashes."""
         world = self.arena.world
         names = (f"rules {world.ruleset.hash}", f"scenario {world.scenario.hash}", f"bots {bots_hash()}")
         return np.array(names)
@@ -326,7 +294,8 @@ class TaskGames:
         """Camps that opponents play."""
         return [enemy_of(parse_camp(side)) for side in CAMPS_OF[self.settings.side]]
 
-    def _camp_of(self, episode: int) -> Camp:
+    def camp_of(self, episode: int) -> Camp:
+        """The learner's camp in an episode."""
         if self.settings.side == "both":
             return (Camp.RED, Camp.BLUE)[episode % 2]
         return parse_camp(self.settings.side)

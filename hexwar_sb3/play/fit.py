@@ -118,7 +118,7 @@ def check_actions(actions: object, expected: Shape, axes: str = "(games, pieces)
         raise ConfigError(f"{rule}: {error}") from error
     if found.shape != expected or found.dtype.kind not in "iu":
         raise ConfigError(f"{rule}, got {found.dtype} {found.shape}")
-    return np.asarray(found, np.int64, order="C")
+    return np.array(found, np.int64, order="C")  # a copy: kernels take no read-only ones
 
 
 def check_tasks(tasks: object, expected: Shape) -> NDArray[np.int64]:

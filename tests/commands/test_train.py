@@ -224,11 +224,12 @@ main()
 
 
 @pytest.mark.slow
+@pytest.mark.timeout(3_000)  # eleven trainings
 def test_a_training_that_is_killed_while_it_writes_goes_on_and_leaves_nothing(
     hexwar: Command, tmp_path: Path
 ) -> None:
     """At ten moments of writing, in the second and third checkpoint."""
-    arguments = ("train", *SMALL, "-n", "400", "--lower", "heuristic", "--runs", str(tmp_path))
+    arguments = ("train", *SMALL, "-n", "320", "--lower", "heuristic", "--runs", str(tmp_path))
     hexwar(*arguments, "--name", "whole")
     whole = weights_hash(tmp_path / "whole_1")
     for k in range(10):
