@@ -19,7 +19,7 @@ from hexwar_sb3.engine.state import State
 from hexwar_sb3.engine.world import World, load_world
 from hexwar_sb3.envs.settings import TaskSettings
 from hexwar_sb3.envs.snapshots import check_games, check_opponents, check_origin, check_seats
-from hexwar_sb3.errors import ConfigError
+from hexwar_sb3.errors import ConfigError, shortened
 from hexwar_sb3.kernels import Rows
 from hexwar_sb3.play.arena import Arena, Games, Setup, Snapshot
 from hexwar_sb3.play.fit import check_actions, check_fit
