@@ -4,15 +4,20 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from pathlib import Path
-from zipfile import BadZipFile
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from hexwar_sb3.errors import FileFormatError
 from hexwar_sb3.evaluation.panel import Panel
 from hexwar_sb3.evaluation.results import CampResult
 from hexwar_sb3.files import replacing
+from hexwar_sb3.maps.scenario import MAX_CONTROL_POINTS
+from hexwar_sb3.reading import read_arrays, read_bytes
 
+MAX_BYTES = 1 << 24
+MOST = 2**53  # of steps and ticks
 KEYS = ("timesteps", "game_ticks", "results", "successes", "points_held")
 
 
@@ -55,14 +60,33 @@ class History:
         Raises:
             FileFormatError: the file is not one of ours.
         """
-        try:
-            with path.open("rb") as file, np.load(file, allow_pickle=False) as data:
-                timesteps, ticks, margins, scores, points = (data[key] for key in KEYS)
-        except (OSError, ValueError, KeyError, EOFError, BadZipFile) as error:
-            raise FileFormatError(path, "file", found=str(error), expected=f"arrays {KEYS}") from error
+        arrays = read_arrays(read_bytes(path, MAX_BYTES), path)
+        _check(arrays, path)
+        timesteps, ticks, margins, scores, points = (arrays[key] for key in KEYS)
         rows = [i for i, step in enumerate(timesteps) if until is None or step <= until]
         return cls(
             [int(timesteps[i]) for i in rows],
             [int(ticks[i]) for i in rows],
             [CampResult(scores[i], margins[i], points[i]) for i in rows],
         )
+
+
+def _check(arrays: dict[str, NDArray[Any]], path: Path) -> None:
+    """Check shapes, kinds and ranges: a row an evaluation, a column a game."""
+    if set(arrays) != set(KEYS):
+        raise FileFormatError(path, "file", found=f"arrays {tuple(arrays)}", expected=f"arrays {KEYS}")
+    rows, games = arrays["timesteps"].shape[:1], arrays["results"].shape[1:]
+    for name, array in arrays.items():
+        is_count = name in KEYS[:2]
+        shape = rows if is_count else (*rows, *games)
+        kinds = "iu" if is_count or name == "points_held" else "fiu"
+        if array.shape != shape or len(shape) != 2 - is_count or array.dtype.kind not in kinds:
+            found, expected = (
+                f"{array.dtype} {array.shape}",
+                f"numbers [evaluation{', game' * (not is_count)}]",
+            )
+            raise FileFormatError(path, name, found=found, expected=expected)
+        most = {"successes": 1, "points_held": MAX_CONTROL_POINTS}.get(name, MOST)
+        least = -MOST if name == "results" else 0
+        if array.size and not (least <= array.min() and array.max() <= most):  # a NaN is neither
+            raise FileFormatError(path, name, found="a number out of range", expected=f"{least}..{most}")

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -54,3 +55,37 @@ def test_a_broken_file_says_where_and_what(tmp_path: Path) -> None:
 
     with pytest.raises(FileFormatError, match=r"evaluations\.npz: file: found .*; expected arrays"):
         History.load(tmp_path / "evaluations.npz")
+
+
+GOOD: dict[str, Any] = {
+    "timesteps": np.array([100, 200]),
+    "game_ticks": np.array([9_000, 18_000]),
+    "results": np.zeros((2, 4)),
+    "successes": np.ones((2, 4)),
+    "points_held": np.ones((2, 4), np.int64),
+}
+SWAPS: dict[str, Any] = {
+    "objects": np.array([[None] * 4] * 2, dtype=object),
+    "texts": np.array([["x"] * 4] * 2),
+    "complex numbers": np.ones((2, 4), complex),
+    "no numbers": np.full((2, 4), np.nan),
+    "huge numbers": np.full((2, 4), 1e300),
+    "one axis more": np.ones((2, 4, 1)),
+    "none": np.ones(()),
+    "fewer rows": np.ones((1, 4)),
+    "below nothing": np.full((2, 4), -1e17),
+}
+
+
+@pytest.mark.parametrize("key", GOOD)
+@pytest.mark.parametrize("swap", SWAPS)
+def test_an_array_of_another_kind_is_named(swap: str, key: str, tmp_path: Path) -> None:
+    path = tmp_path / "evaluations.npz"
+    np.savez(path, **{**GOOD, key: SWAPS[swap]})
+    with pytest.raises(FileFormatError, match=r"evaluations\.npz"):
+        History.load(path)
+    np.savez(path, **{name: array for name, array in GOOD.items() if name != key})
+    with pytest.raises(FileFormatError, match="found arrays"):
+        History.load(path)
+    np.savez(path, **GOOD)
+    assert History.load(path).timesteps == [100, 200]
