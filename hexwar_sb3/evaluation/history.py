@@ -13,9 +13,11 @@ from hexwar_sb3.errors import FileFormatError
 from hexwar_sb3.evaluation.panel import Panel
 from hexwar_sb3.evaluation.results import CampResult
 from hexwar_sb3.files import replacing
-from hexwar_sb3.reading import opened, read_arrays
+from hexwar_sb3.maps.scenario import MAX_CONTROL_POINTS
+from hexwar_sb3.reading import read_arrays, read_bytes
 
-Arrays = dict[str, NDArray[Any]]
+MAX_BYTES = 1 << 24
+MOST = 2**53  # of steps and ticks
 KEYS = ("timesteps", "game_ticks", "results", "successes", "points_held")
 
 
@@ -58,12 +60,9 @@ class History:
         Raises:
             FileFormatError: the file is not one of ours.
         """
-        expected = f"arrays {KEYS}"
-        with opened(path, expected=expected) as file:
-            data = read_arrays(file, path, expected=expected)
-        if problem := _problem(data):
-            raise FileFormatError(path, "file", found=problem, expected=expected)
-        timesteps, ticks, margins, scores, points = (data[key] for key in KEYS)
+        arrays = read_arrays(read_bytes(path, MAX_BYTES), path)
+        _check(arrays, path)
+        timesteps, ticks, margins, scores, points = (arrays[key] for key in KEYS)
         rows = [i for i, step in enumerate(timesteps) if until is None or step <= until]
         return cls(
             [int(timesteps[i]) for i in rows],
@@ -72,21 +71,24 @@ class History:
         )
 
 
-def _problem(data: Arrays) -> str | None:
-    """What is wrong with the arrays of a file; None: nothing."""
-    if missing := [key for key in KEYS if key not in data]:
-        return f"no {missing[0]!r}"
-    timesteps, ticks, margins, scores, points = (data[key] for key in KEYS)
-    for key in KEYS:
-        if data[key].dtype.kind not in "iuf" or not np.isfinite(data[key]).all():
-            return f"values in {key!r} that are no finite numbers"
-    if timesteps.ndim != 1 or ticks.shape != timesteps.shape or (np.diff(timesteps) < 0).any():
-        return f"timesteps {timesteps.shape} and game_ticks {ticks.shape}"
-    games = margins.shape[:1] == timesteps.shape and (margins.ndim == 2 or not timesteps.size)
-    if not games or scores.shape != margins.shape or points.shape != margins.shape:
-        return f"results {margins.shape}, successes {scores.shape} and points_held {points.shape}"
-    if not np.isin(scores, (0.0, 0.5, 1.0)).all():
-        return "a success that is none of 0, 0.5 and 1"
-    if min(array.min(initial=0) for array in (timesteps, ticks, points)) < 0:
-        return "a number below 0"
-    return None
+def _check(arrays: dict[str, NDArray[Any]], path: Path) -> None:
+    """Check shapes, kinds and ranges: a row an evaluation, a column a game."""
+    if set(arrays) != set(KEYS):
+        raise FileFormatError(path, "file", found=f"arrays {tuple(arrays)}", expected=f"arrays {KEYS}")
+    if not any(array.size for array in arrays.values()):
+        return  # a run without an evaluation
+    rows, games = arrays["timesteps"].shape[:1], arrays["results"].shape[1:]
+    for name, array in arrays.items():
+        is_count = name in KEYS[:2]
+        shape = rows if is_count else (*rows, *games)
+        kinds = "iu" if is_count or name == "points_held" else "fiu"
+        if array.shape != shape or len(shape) != 2 - is_count or array.dtype.kind not in kinds:
+            found, expected = (
+                f"{array.dtype} {array.shape}",
+                f"numbers [evaluation{', game' * (not is_count)}]",
+            )
+            raise FileFormatError(path, name, found=found, expected=expected)
+        most = {"successes": 1, "points_held": MAX_CONTROL_POINTS}.get(name, MOST)
+        least = -MOST if name == "results" else 0
+        if array.size and not (least <= array.min() and array.max() <= most):  # a NaN is neither
+            raise FileFormatError(path, name, found="a number out of range", expected=f"{least}..{most}")

@@ -88,15 +88,16 @@ def read_plan(spec: Search) -> Plan:
     """
     found = read_json(spec.file)
     orders, rates = found.get("orders"), found.get("win_rates")
+    names = [name_of(one) for one, _ in spec.opponents]
     if not (
         isinstance(orders, list)
         and isinstance(rates, list)
         and len(orders) == len(rates) == len(spec.opponents)
         and all(_is_order(one) for one in orders)
         and all(isinstance(rate, float) and 0.0 <= rate <= 1.0 for rate in rates)
-        and found.get("opponents") == [name_of(one) for one, _ in spec.opponents]
+        and found.get("opponents", names) == names
     ):
-        expected = f"orders and win rates against its {len(spec.opponents)} opponents"
+        expected = f"{len(names)} orders and win rates against {names}"
         raise FileFormatError(spec.file, "plan", found=str(found)[:80], expected=expected)
     read = [one and StandingOrder(**{**one, "pieces": tuple(one["pieces"])}) for one in orders]
     return Plan(tuple(read), tuple(rates))

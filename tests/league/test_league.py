@@ -389,10 +389,10 @@ BROKEN: dict[str, tuple[Callable[[dict[str, Any]], object], str]] = {
     "other rules": (lambda head: head.update(rules="0.9 abc"), "rules: found 0.9 abc"),
     "no settings": (lambda head: head.pop("settings"), "format: "),
     "another format": (lambda head: head.update(format="pickle"), "format: found 'pickle'"),
-    "no bots": (lambda head: head["settings"].update(bots=None), "bots: found None; expected list"),
+    "no bots": (lambda head: head["settings"].update(bots=None), "bots: found None; expected a list"),
     "a setting less": (
         lambda head: head["settings"].pop("anchor"),
-        "anchor: found nothing; expected anchor, bots",
+        "anchor: found nothing; expected a finite number",
     ),
     "a setting more": (
         lambda head: head["settings"].update(policy="os.system"),
