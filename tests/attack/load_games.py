@@ -221,9 +221,7 @@ def camp_attempt(_: Path) -> Attempt:
         try:
             act(replay.verify)
         except ReplayFileError:
-            problem = show(replay)
-            if problem is not None:
-                raise problem from None
+            show(replay)
             return
         raise Wrong("verified, with one camp's record")
 

@@ -77,7 +77,7 @@ LOADERS: dict[str, Loader] = {
         Loader("policy", "policy", policy_cases, policy_attempt),
         Loader("policy of two levels", "levels", levels_cases, policy_attempt),
         Loader("lower policy", "lower", policy_cases, lower_attempt),
-        Loader("preset", "preset", preset_cases, preset_attempt),
+        Loader("preset", "preset", preset_cases, preset_attempt, ("runs",)),
         Loader("run", "run", run_cases, run_attempt),
         Loader("QMIX", "qmix", model_cases, partial(model_attempt, "qmix")),
         Loader(
