@@ -60,7 +60,7 @@ def test_a_sharp_teacher_is_finite() -> None:
 
 @pytest.mark.parametrize("widths", [{}, {"hidden": 96, "embed": 40}])
 def test_a_student_of_any_widths_comes_to_choose_as_its_teacher(widths: dict[str, int]) -> None:
-    env = make_vec_env(**SETTINGS, seed=0)
+    env = make_vec_env(**SETTINGS)
     teacher = QMIX("TaskPolicy", env, seed=1, buffer_size=10).policy.freeze()
     student = QMIX("TaskPolicy", env, seed=2, buffer_size=10, policy_kwargs=widths).policy
     lesson = teach(teacher, env, steps=96, epsilon=0.2, seed=0)
@@ -77,7 +77,7 @@ def test_a_student_of_any_widths_comes_to_choose_as_its_teacher(widths: dict[str
 
 
 def test_two_teachers_have_equal_parts() -> None:
-    env = make_vec_env(**SETTINGS, seed=0)
+    env = make_vec_env(**SETTINGS)
     students = [QMIX("TaskPolicy", env, seed=seed, buffer_size=10).policy for seed in (1, 2, 3)]
     lessons = [teach(one.freeze(), env, 48, 0.0, seed=0) for one in students[:2]]
     losses = learn_from(lessons, students[2], updates=3, batch_size=8, tau=0.1)
@@ -89,7 +89,7 @@ def test_two_teachers_have_equal_parts() -> None:
 
 def test_the_same_seed_gives_the_same_student() -> None:
     def weights() -> torch.Tensor:
-        env = make_vec_env(**SETTINGS, seed=0)
+        env = make_vec_env(**SETTINGS)
         teacher = QMIX("TaskPolicy", env, seed=1, buffer_size=10).policy.freeze()
         student = QMIX("TaskPolicy", env, seed=2, buffer_size=10).policy
         learn_from([teach(teacher, env, 48, 0.1, seed=4)], student, updates=5, batch_size=8, seed=4)
@@ -99,6 +99,6 @@ def test_the_same_seed_gives_the_same_student() -> None:
 
 
 def test_a_wrong_number_is_named() -> None:
-    policy = QMIX("TaskPolicy", make_vec_env(**SETTINGS, seed=0), buffer_size=10).policy
+    policy = QMIX("TaskPolicy", make_vec_env(**SETTINGS), buffer_size=10).policy
     with pytest.raises(ConfigError, match="distillation needs teachers"):
         learn_from([], policy, updates=1)
