@@ -154,6 +154,10 @@ class Train:
         for name in ("n_timesteps", "eval_freq", "eval_games", "save_freq", "final_games"):
             if getattr(self, name) < 1:
                 raise ConfigError(f"{name} must be at least 1, got {getattr(self, name)}")
+        for games in (self.eval_games, self.final_games):
+            self.terms(games)
+        if self.value("demo_games") < 0:
+            raise ConfigError(f"demo_games must be at least 0, got {self.value('demo_games')}")
         check_name("name", self.name)
         self._check_lower()
         for name in ("warm_start", "demo_share"):

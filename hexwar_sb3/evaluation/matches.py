@@ -17,6 +17,8 @@ from hexwar_sb3.play.records import DECISION_TICKS
 from hexwar_sb3.rules.enums import Camp
 from hexwar_sb3.tasks.spots import SPOTS
 
+MOST_GAMES = 10_000_000  # of a match
+
 
 def play_match(
     red: object,
@@ -75,9 +77,11 @@ def play_match(
 
 
 def check_games(games: int) -> None:
-    """Raise ConfigError unless there is a game to play."""
+    """Raise ConfigError unless there is a game to play, and their figures fit into memory."""
     if games < 1:
         raise ConfigError(f"games must be at least 1, got {games}")
+    if games > MOST_GAMES:
+        raise ConfigError(f"games must be at most {MOST_GAMES}, got {games}")
 
 
 def camp_result(outcome: MatchGames, camp: Camp) -> CampResult:
