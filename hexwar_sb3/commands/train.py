@@ -16,7 +16,7 @@ from hexwar_sb3.commands.output import compile_first
 from hexwar_sb3.commands.run_folder import RunFolder
 from hexwar_sb3.commands.settings import ConstantPlans, Json, ScenarioName, Seed, check_name
 from hexwar_sb3.errors import ConfigError, FileFormatError, HexWarError, UnknownNameError
-from hexwar_sb3.evaluation.seeds import Purpose, seed_for
+from hexwar_sb3.evaluation.seeds import Purpose
 from hexwar_sb3.kinds import read_fields
 from hexwar_sb3.maps.files import builtin_names, load_scenario
 from hexwar_sb3.rules.enums import Camp
@@ -158,7 +158,8 @@ class Train:
         for name in ("n_timesteps", "eval_freq", "eval_games", "save_freq", "final_games"):
             if getattr(self, name) < 1:
                 raise ConfigError(f"{name} must be at least 1, got {getattr(self, name)}")
-        seed_for(Purpose.TRAINING, self.seed)
+        for games in (self.eval_games, self.final_games):
+            self.terms(games)  # which checks the seed, too
         check_name("name", self.name)
         self._check_lower()
         check_preset(self.chosen)

@@ -71,7 +71,13 @@ class Tune:
         """Do it."""
         if missing := [name for name in NEEDED if find_spec(name) is None]:
             raise ConfigError(f'tuning needs {", ".join(missing)}: pip install "hexwar-sb3[tune]"')
+        from hexwar_sb3.evaluation.matches import check_games
+        from hexwar_sb3.evaluation.seeds import Purpose, seed_for
+
         check_jobs("workers", self.workers)
+        check_games(self.games)
+        for seed in self.seeds:
+            seed_for(Purpose.TUNING, seed)
         from hexwar_sb3.tuning.store import database_errors
         from hexwar_sb3.tuning.study import known_spec
 

@@ -6,6 +6,7 @@ import contextlib
 import io
 import json
 from collections.abc import Iterator
+from dataclasses import asdict
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -47,21 +48,19 @@ def _set_setting(document: Any, place: Place, value: str, _: bytes) -> bytes:
 
 
 def preset_attempt(_: Path) -> Attempt:
-    def attempt(folder: Path) -> None:
-        from dataclasses import asdict
+    caught = catch_trainings()
 
+    def attempt(folder: Path) -> None:
         from hexwar_sb3.algorithms.preset_file import load_preset
-        from hexwar_sb3.commands.train import Train
-        from hexwar_sb3.commands.training import make_env, new_model
 
         path = folder / "preset.json"
         preset = load_preset(str(path))
         check_said(said(path.read_bytes())["preset"], json.loads(json.dumps(asdict(preset))))
-        settings = Train(preset=str(path), scenario=valid.SCENARIO, opponents=("MA1",), device="cpu")
-        settings.check()
-        settings.terms()
-        model = new_model(settings, make_env(settings))
-        model.learn(4)
+        caught.clear()
+        how = ("--scenario", valid.SCENARIO, "--opponents", "MA1", "--device", "cpu", "-n", "24")
+        command("train", "--preset", str(path), *how, "--runs", str(folder / "runs"))
+        check(len(caught) == 1, "it ended well, and no training began")
+        caught[0][1].learn(4)
 
     return attempt
 
@@ -130,7 +129,8 @@ def run_attempt(root: Path) -> Attempt:
                 plain = isinstance(good[name], int | float | str)
                 check(not plain or type(taken) is type(good[name]), f"{name} was taken as {taken!r:.60}")
                 check_said(value, json.loads(json.dumps(taken, default=str)), f"{name}.")
-        settings.check()
+        for name in ("n_timesteps", "eval_freq", "eval_games", "save_freq", "final_games"):
+            check(getattr(settings, name) >= 1, f"{name} is {getattr(settings, name)}")
         settings.terms()
         training.watchers(settings, _run_folder(folder))
         model.learn(2, reset_num_timesteps=False)

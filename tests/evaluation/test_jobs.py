@@ -108,11 +108,10 @@ def test_a_job_does_not_make_a_held_folder_anew(tmp_path: Path) -> None:
 
 def test_no_more_processes_start_than_there_are_jobs(monkeypatch: pytest.MonkeyPatch) -> None:
     started: list[int] = []
-    first = jobs.Parallel
 
     def parallel(n_jobs: int) -> object:
         started.append(n_jobs)
-        return first(n_jobs=1)
+        return joblib.Parallel(n_jobs=1)
 
     monkeypatch.setattr(jobs, "Parallel", parallel)
 

@@ -200,7 +200,8 @@ def ground(tmp_path: Path) -> str:
 def test_a_player_of_another_line_up_is_met_before_the_first_trial(
     who: str, ground: str, spec: StudySpec
 ) -> None:
-    there = replace(spec, common=replace(spec.common, scenario=ground, **{who: ("MA1", "HRL0")}))
+    players: dict[str, Any] = {who: ("MA1", "HRL0")}
+    there = replace(spec, common=replace(spec.common, scenario=ground, **players))
     with pytest.raises(ConfigError, match=r"HRL0 as red on .*ground\.scenario\.json: .*\(pieces, tasks"):
         run_study(there, 1, say=lambda _: None)
 
