@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from numbers import Integral
 from pathlib import Path
 
 import numpy as np
 
 from hexwar_sb3.checks import check_whole
 from hexwar_sb3.engine.world import load_world
+from hexwar_sb3.errors import ConfigError
 from hexwar_sb3.evaluation.results import CampResult, MatchResult
 from hexwar_sb3.evaluation.seeds import Purpose, seed_for
 from hexwar_sb3.maps.scenario import Scenario
@@ -79,6 +81,8 @@ def play_match(
 
 def check_games(games: object) -> None:
     """Raise ConfigError unless there is a game to play, and their figures fit into memory."""
+    if isinstance(games, bool) or not isinstance(games, Integral) or games < 1:
+        raise ConfigError(f"games must be at least 1, got {games!r}")
     check_whole("games", games, least=1, most=MOST_GAMES)
 
 
