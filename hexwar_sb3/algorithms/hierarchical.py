@@ -15,7 +15,7 @@ from stable_baselines3.common.vec_env import VecEnv
 
 from hexwar_sb3.algorithms.masked_dqn import MaskedDQN
 from hexwar_sb3.algorithms.model_file import File
-from hexwar_sb3.algorithms.parts import check_observation, env_snapshot, part, placed, restore_env, under
+from hexwar_sb3.algorithms.parts import check_observation, env_snapshot, part, restore_env, under
 from hexwar_sb3.algorithms.qmix import QMIX
 from hexwar_sb3.checks import check_whole
 from hexwar_sb3.engine.fields import check_names
@@ -23,6 +23,7 @@ from hexwar_sb3.envs.registration import ROUTE_ENV, make_vec_env
 from hexwar_sb3.envs.route_settings import RouteSettings, route_settings
 from hexwar_sb3.envs.route_vec_env import route_spaces
 from hexwar_sb3.envs.settings import TaskSettings
+from hexwar_sb3.envs.snapshots import placed
 from hexwar_sb3.errors import ConfigError
 from hexwar_sb3.play.lower_policy import HEURISTIC_LOWER, FrozenLower, Lower
 from hexwar_sb3.play.routes import measure_routes

@@ -15,8 +15,9 @@ from gymnasium import spaces
 from stable_baselines3.common.off_policy_algorithm import OffPolicyAlgorithm
 from stable_baselines3.common.type_aliases import GymEnv
 
-from hexwar_sb3.algorithms.parts import placed, read_replay, write_arrays
+from hexwar_sb3.algorithms.parts import read_replay, write_arrays
 from hexwar_sb3.algorithms.replay import StepReplay
+from hexwar_sb3.envs.snapshots import placed
 from hexwar_sb3.errors import CheckpointError, ConfigError
 from hexwar_sb3.files import replacing
 from hexwar_sb3.policies.shapes import TaskShapes
