@@ -251,6 +251,9 @@ def read_arrays(
         FileFormatError: of the type `error`; it is broken, or an array holds objects.
     """
     with archive(file, source, error, expected) as entries:
+        for name in entries.namelist():
+            if not name.endswith(".npy"):
+                raise error(source, name, found="an entry of another kind", expected="arrays (.npy)")
         return {
             entry.filename.removesuffix(".npy"): _array(entries, entry, source, error)
             for entry in entries.infolist()

@@ -22,13 +22,13 @@ from hexwar_sb3.algorithms.parts import (
     check_observation,
     env_snapshot,
     part,
-    placed,
     restore_env,
     under,
     write_arrays,
 )
 from hexwar_sb3.algorithms.qmix import QMIX
 from hexwar_sb3.engine.fields import check_all, check_form, check_names, check_range, refuse
+from hexwar_sb3.envs.snapshots import placed
 from hexwar_sb3.errors import CheckpointError
 from hexwar_sb3.files import replacing
 from hexwar_sb3.play.seeds import check_rng, text_of

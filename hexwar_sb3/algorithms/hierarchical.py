@@ -17,7 +17,7 @@ from stable_baselines3.common.vec_env import VecEnv, VecFrameStack, VecNormalize
 from hexwar_sb3.algorithms.masked_dqn import MaskedDQN
 from hexwar_sb3.algorithms.model_file import check_part
 from hexwar_sb3.algorithms.model_zip import File, ModelZip
-from hexwar_sb3.algorithms.parts import check_observation, env_snapshot, part, placed, restore_env, under
+from hexwar_sb3.algorithms.parts import check_observation, env_snapshot, part, restore_env, under
 from hexwar_sb3.algorithms.qmix import QMIX
 from hexwar_sb3.algorithms.ranges import (
     COUNTER,
@@ -40,6 +40,7 @@ from hexwar_sb3.envs.registration import ROUTE_ENV, make_vec_env
 from hexwar_sb3.envs.route_settings import RouteSettings, route_settings
 from hexwar_sb3.envs.route_vec_env import route_spaces
 from hexwar_sb3.envs.settings import TaskSettings
+from hexwar_sb3.envs.snapshots import placed
 from hexwar_sb3.errors import CheckpointError, ConfigError
 from hexwar_sb3.play.lower_policy import HEURISTIC_LOWER, FrozenLower, Lower
 from hexwar_sb3.play.routes import measure_routes

@@ -27,7 +27,7 @@ from hexwar_sb3.algorithms.model_zip import (
     write_zip,
     zip_path,
 )
-from hexwar_sb3.algorithms.parts import placed, read_replay, write_arrays
+from hexwar_sb3.algorithms.parts import read_replay, write_arrays
 from hexwar_sb3.algorithms.ranges import SEED, Kind, Misfit, Table, is_plain, mended, options, setting
 from hexwar_sb3.algorithms.tensors import (
     check_forms,
@@ -37,6 +37,7 @@ from hexwar_sb3.algorithms.tensors import (
     pack,
     state_of,
 )
+from hexwar_sb3.envs.snapshots import placed
 from hexwar_sb3.errors import CheckpointError, ConfigError, HexWarError, UnknownSettingError
 from hexwar_sb3.files import replacing
 

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import io
 import zipfile
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, BinaryIO, cast
@@ -17,6 +16,7 @@ from numpy.typing import NDArray
 from stable_baselines3.common.vec_env import VecEnv, VecEnvWrapper, VecMonitor, VecNormalize
 
 from hexwar_sb3.engine.fields import check_all, check_form, check_names, check_range, refuse
+from hexwar_sb3.envs.snapshots import placed
 from hexwar_sb3.errors import CheckpointError, HexWarError
 from hexwar_sb3.reading import opened, read_arrays
 
@@ -127,16 +127,6 @@ def _restore_games(env: VecEnv, games: Arrays) -> None:
         raise
     except (LookupError, ValueError, TypeError, ArithmeticError) as error:  # of an env that is not ours
         refuse("arrays", f"{type(error).__name__}: {error}", "what the env gave")
-
-
-@contextmanager
-def placed(prefix: str = "", source: str | Path = "snapshot") -> Iterator[None]:
-    """Say of a part that is broken where it lies: in which file, and in which group of its arrays."""
-    try:
-        yield
-    except CheckpointError as error:
-        place = f"{prefix}/{error.place}" if prefix else error.place
-        raise CheckpointError(source, place, found=error.found, expected=error.expected) from error
 
 
 def check_observation(place: str, found: Arrays, env: VecEnv) -> None:

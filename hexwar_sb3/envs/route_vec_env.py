@@ -15,6 +15,7 @@ from hexwar_sb3.engine.fields import refuse
 from hexwar_sb3.envs.native_vec_env import NativeVecEnv
 from hexwar_sb3.envs.route_games import Hop, RouteGames, check_leader
 from hexwar_sb3.envs.route_settings import RouteSettings
+from hexwar_sb3.envs.snapshots import placed
 from hexwar_sb3.play.arena import Snapshot
 from hexwar_sb3.play.fit import check_actions
 from hexwar_sb3.play.lower_policy import make_lower
@@ -124,12 +125,13 @@ class RouteVecEnv(NativeVecEnv):
         """
         parts: list[Snapshot] = [{} for _ in self.fields]
         for name, array in snapshot.items():
-            k, _, rest = name.partition("/")
-            if k not in map(str, range(len(parts))):
+            number, _, rest = name.partition("/")
+            if number not in map(str, range(len(parts))):
                 refuse(name, "an unknown name", f"games of {len(parts)} scenarios")
-            parts[int(k)][rest] = array
-        for games, part in zip(self.fields, parts, strict=True):
-            games.check(part)
+            parts[int(number)][rest] = array
+        for k, (games, part) in enumerate(zip(self.fields, parts, strict=True)):
+            with placed(str(k)):
+                games.check(part)
         for games, part in zip(self.fields, parts, strict=True):
             games.restore(part)
         return self._look()

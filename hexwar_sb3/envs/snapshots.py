@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -10,7 +12,7 @@ from numpy.typing import NDArray
 
 from hexwar_sb3.engine.fields import check_all, check_form, check_names, check_range, refuse
 from hexwar_sb3.engine.state import State
-from hexwar_sb3.errors import ConfigError, shortened
+from hexwar_sb3.errors import CheckpointError, ConfigError, shortened
 from hexwar_sb3.kernels import Rows
 from hexwar_sb3.play.arena import Arena, Snapshot
 from hexwar_sb3.play.lower import KEPT
@@ -19,6 +21,16 @@ from hexwar_sb3.play.records import EXTERNAL
 from hexwar_sb3.play.seeds import MOST_SEED
 
 MOST_EPISODES = 2**62  # far below the end of int64
+
+
+@contextmanager
+def placed(prefix: str = "", source: str | Path = "snapshot") -> Iterator[None]:
+    """Say of a part that is broken where it lies: in which file, and in which group of its arrays."""
+    try:
+        yield
+    except CheckpointError as error:
+        place = f"{prefix}/{error.place}" if prefix else error.place
+        raise CheckpointError(source, place, found=error.found, expected=error.expected) from error
 
 
 def check_origin(snapshot: Snapshot, own: NDArray[np.str_]) -> None:

@@ -163,6 +163,18 @@ def test_an_array_and_field_that_are_wrong_are_named() -> None:
         env.restore(snapshot)
 
 
+def test_of_several_scenarios_the_one_that_is_wrong_is_named() -> None:
+    env = native(ROUTE, scenario=["plain", "hills"])
+    env.reset()
+    snapshot = env.snapshot()
+    snapshot["1/games"]["tick"] = 32767
+
+    with pytest.raises(
+        CheckpointError, match=r"snapshot: 1/games\.tick: found 32767 at \[0\]; expected 0\.\.1800"
+    ):
+        env.restore(snapshot)
+
+
 def test_games_that_have_not_begun_cannot_go_on() -> None:
     env = native(TASK)
     with pytest.raises(CheckpointError, match=r"episodes: found -1 at \[0\]; expected 0\.\."):
