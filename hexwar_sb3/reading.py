@@ -309,7 +309,16 @@ def read_entries(
         FileFormatError: of the type `error`; it is broken.
     """
     with archive(file, source, error, expected) as entries:
-        return {entry.filename: entries.read(entry) for entry in entries.infolist()}
+        return {entry.filename: _entry(entries, entry) for entry in entries.infolist()}
+
+
+def _entry(entries: zipfile.ZipFile, entry: zipfile.ZipInfo) -> bytes:
+    """The bytes of an entry, as many as it is said to have; read whole, it inflates to whatever is in it."""
+    with entries.open(entry) as stream:
+        data = stream.read(entry.file_size)
+        if len(data) != entry.file_size or stream.read(1):  # at the end the checksum is compared
+            raise EOFError(f"{entry.filename} is not {entry.file_size} bytes long")
+    return data
 
 
 def check_names(
