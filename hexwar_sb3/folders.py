@@ -8,14 +8,21 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, nullcontext
 from pathlib import Path
 
-from hexwar_sb3.files import UNFINISHED, _check_held, _held, _identity, only_one
+from filelock import FileLock, Timeout
 
+from hexwar_sb3.errors import BusyError
+from hexwar_sb3.files import UNFINISHED, check_held, held_folders, identity_of, remove_if_left
+
+LOCK = ".lock"  # file of a folder that one process at a time may work in
 Held = Mapping[Path, tuple[int, int]]
 
 
 @contextmanager
 def holding(folder: Path, what: str) -> Iterator[None]:
-    """Hold a folder while the block runs, as `only_one` does; who holds one above it, holds it.
+    """Hold a folder while the block runs: no other process may work in it. Who holds one above it, holds it.
+
+    What killed processes were writing there is removed first. While the folder is held, nothing makes it anew: whoever
+    removes it ends the run.
 
     Args:
         folder: made if it is missing.
@@ -26,10 +33,10 @@ def holding(folder: Path, what: str) -> Iterator[None]:
         FileNotFoundError: it was removed while it was held.
     """
     place = folder.resolve()
-    is_held = any(above in _held for above in (place, *place.parents))
+    is_held = any(above in held_folders for above in (place, *place.parents))
     if is_held:
         check_held(folder)
-    with nullcontext() if is_held else only_one(folder, what):
+    with nullcontext() if is_held else _only_one(folder, what):
         try:
             yield
         except OSError:
@@ -37,24 +44,42 @@ def holding(folder: Path, what: str) -> Iterator[None]:
             raise
 
 
-def check_held(path: Path) -> None:
-    """Check before something is made that the held folder where it is to lie is still there.
+@contextmanager
+def _only_one(folder: Path, what: str) -> Iterator[None]:
+    folder.mkdir(parents=True, exist_ok=True)
+    lock = FileLock(folder / LOCK, blocking=False)
+    try:
+        lock.acquire()
+    except Timeout as error:
+        raise BusyError(f"{folder}: another process is working on this {what}") from error
+    place = folder.resolve()
+    try:
+        _clear_leftovers(folder)
+        held_folders[place] = identity_of(place)
+        yield
+    finally:
+        held_folders.pop(place, None)
+        lock.release()
 
-    Raises:
-        FileNotFoundError: it was removed.
-    """
-    _check_held(path / UNFINISHED)
+
+def _clear_leftovers(folder: Path) -> None:
+    """Remove what killed processes were writing in a folder and below; files of living ones stay."""
+    for left in folder.rglob(f"{UNFINISHED}*"):
+        if left.is_dir() and not left.is_symlink():
+            shutil.rmtree(left, ignore_errors=True)
+        else:
+            remove_if_left(left)
 
 
 def held() -> dict[Path, tuple[int, int]]:
     """Folders that this process holds, for the workers that it hands jobs to."""
-    return dict(_held)
+    return dict(held_folders)
 
 
 def work_within(folders: Held) -> None:
     """Count folders as held that the parent of this process holds: they are not made anew, either."""
-    _held.clear()
-    _held.update(folders)
+    held_folders.clear()
+    held_folders.update(folders)
 
 
 def work_for_holder(folder: Path) -> None:
@@ -64,7 +89,7 @@ def work_for_holder(folder: Path) -> None:
         FileNotFoundError: it is gone.
     """
     place = folder.resolve()
-    work_within({place: _identity(place)})
+    work_within({place: identity_of(place)})
 
 
 @contextmanager

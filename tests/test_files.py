@@ -9,7 +9,8 @@ from pathlib import Path
 import pytest
 
 from hexwar_sb3.errors import BusyError
-from hexwar_sb3.files import only_one, replacing, write_json
+from hexwar_sb3.files import replacing, write_json
+from hexwar_sb3.folders import holding
 
 
 def test_a_file_is_replaced_when_its_successor_is_whole(tmp_path: Path) -> None:
@@ -53,7 +54,8 @@ WRITER = """
 import os, signal, sys
 from pathlib import Path
 from hexwar_sb3.errors import BusyError
-from hexwar_sb3.files import only_one, replacing, write_json
+from hexwar_sb3.files import replacing, write_json
+from hexwar_sb3.folders import holding
 with replacing(Path(sys.argv[1])) as temporary:
     temporary.write_text("half", encoding="utf-8")
     os.kill(os.getpid(), signal.SIGKILL)
@@ -61,8 +63,8 @@ with replacing(Path(sys.argv[1])) as temporary:
 HOLDER = """
 import sys
 from pathlib import Path
-from hexwar_sb3.files import only_one
-with only_one(Path(sys.argv[1]), "run"):
+from hexwar_sb3.folders import holding
+with holding(Path(sys.argv[1]), "run"):
     print("held", flush=True)
     sys.stdin.read()
 """
@@ -99,7 +101,7 @@ def test_the_next_start_in_a_folder_removes_what_is_left_anywhere_in_it(tmp_path
     assert _left_by_a_killed_writer(tmp_path / "policy" / "config.json")
     (tmp_path / ".new-pupil" / "red").mkdir(parents=True)
 
-    with only_one(tmp_path, "run"):
+    with holding(tmp_path, "run"):
         found = sorted(path.name for path in tmp_path.rglob("*"))
 
     assert found == [".lock", "policy"]
@@ -112,18 +114,18 @@ def test_a_folder_is_one_process_s(tmp_path: Path) -> None:
     with holder:
         assert holder.stdout is not None
         holder.stdout.readline()
-        second = only_one(tmp_path, "run")
+        second = holding(tmp_path, "run")
         with pytest.raises(BusyError, match="another process is working on this run"):
             second.__enter__()
         holder.kill()
 
-    with only_one(tmp_path, "run"):  # a killed holder holds nobody up
+    with holding(tmp_path, "run"):  # a killed holder holds nobody up
         pass
 
 
 def test_a_folder_that_is_removed_while_it_is_held_is_not_made_anew(tmp_path: Path) -> None:
     folder = tmp_path / "run"
-    with only_one(folder, "run"):
+    with holding(folder, "run"):
         write_json(folder / "one.json", {})
         shutil.rmtree(folder)
 

@@ -10,8 +10,8 @@ from pathlib import Path
 import pytest
 
 from hexwar_sb3.errors import BusyError
-from hexwar_sb3.files import LOCK, UNFINISHED, replacing
-from hexwar_sb3.folders import held, holding, making
+from hexwar_sb3.files import UNFINISHED, replacing
+from hexwar_sb3.folders import LOCK, held, holding, making
 
 OTHER = """
 import sys

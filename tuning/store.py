@@ -17,7 +17,7 @@ from optuna.storages.journal import JournalFileBackend, JournalFileSymlinkLock
 from sqlalchemy.exc import SQLAlchemyError
 
 from hexwar_sb3.errors import ConfigError, FileFormatError, HexWarError
-from hexwar_sb3.folders import check_held
+from hexwar_sb3.files import check_held
 from hexwar_sb3.tuning.workers import comes_again
 
 HEARTBEAT_S, GRACE_S = 30, 120  # of trials in a database: who is silent for longer is dead

@@ -40,8 +40,8 @@ from hexwar_sb3.algorithms.presets import PRESETS
 from hexwar_sb3.checks import check_whole
 from hexwar_sb3.errors import ConfigError, FileFormatError, HexWarError, UnknownNameError
 from hexwar_sb3.evaluation.provenance import provenance
-from hexwar_sb3.files import UNFINISHED, replacing
-from hexwar_sb3.folders import check_held, holding, work_for_holder
+from hexwar_sb3.files import UNFINISHED, check_held, replacing
+from hexwar_sb3.folders import holding, work_for_holder
 from hexwar_sb3.kinds import read_fields
 from hexwar_sb3.play.player import BotPlayer, make_player
 from hexwar_sb3.processes import end_with_parent, start_python

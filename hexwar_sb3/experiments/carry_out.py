@@ -11,7 +11,8 @@ from time import sleep
 
 from hexwar_sb3.experiments.keep import keep
 from hexwar_sb3.experiments.runs import HEXWAR, Places, Run
-from hexwar_sb3.folders import check_held, holding
+from hexwar_sb3.files import check_held
+from hexwar_sb3.folders import holding
 from hexwar_sb3.processes import start_python
 
 POLL_SECONDS = 0.2

@@ -22,8 +22,8 @@ from hexwar_sb3.evaluation.jobs import run_jobs
 from hexwar_sb3.evaluation.panel import BOTS, Terms, trained_terms
 from hexwar_sb3.evaluation.provenance import provenance
 from hexwar_sb3.evaluation.seeds import Purpose
-from hexwar_sb3.files import write_json
-from hexwar_sb3.folders import check_held, holding
+from hexwar_sb3.files import check_held, write_json
+from hexwar_sb3.folders import holding
 from hexwar_sb3.kinds import read_fields
 from hexwar_sb3.league.cost import measured
 from hexwar_sb3.league.group import GroupSpec, train_group

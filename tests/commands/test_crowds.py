@@ -22,8 +22,8 @@ Command = Callable[..., tuple[int, str, str]]
 HOLDS = """
 import sys, time
 from pathlib import Path
-from hexwar_sb3.files import only_one
-with only_one(Path(sys.argv[1]), "thing"):
+from hexwar_sb3.folders import holding
+with holding(Path(sys.argv[1]), "thing"):
     print("held", flush=True)
     time.sleep(600)
 """

@@ -229,8 +229,8 @@ def test_a_study_that_another_process_works_on_is_left_alone(spec: StudySpec) ->
     hold = f"""
 import sys
 from pathlib import Path
-from hexwar_sb3.files import only_one
-with only_one(Path({str(spec.folder)!r}), "study"):
+from hexwar_sb3.folders import holding
+with holding(Path({str(spec.folder)!r}), "study"):
     print("held", flush=True)
     sys.stdin.read()
 """
