@@ -19,6 +19,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from math import prod
 from pathlib import Path
+from tokenize import TokenError
 from typing import Any, BinaryIO, NoReturn
 
 import numpy as np
@@ -43,6 +44,7 @@ _BROKEN = (
     *(zipfile.BadZipFile, zipfile.LargeZipFile, zlib.error, struct.error, OSError, EOFError, ValueError),
     *(
         LookupError,
+        TokenError,
         TypeError,
         AttributeError,
         ArithmeticError,
@@ -272,8 +274,11 @@ def _array(
             fail(f"version {version} of .npy", "1.0 or 2.0")
         with warnings.catch_warnings(action="error"):
             shape, fortran, dtype = _HEADERS[version](stream)
-        if dtype.hasobject or not dtype.itemsize:
-            fail(f"values of the type {dtype}", "plain values; objects would have to be unpickled")
+        if dtype.hasobject or not dtype.itemsize or dtype != dtype.newbyteorder("="):
+            fail(
+                f"values of the type {dtype}",
+                "plain ones of this machine; objects would have to be unpickled",
+            )
         if len(shape) > _MAX_AXES or any(type(n) is not int or n < 0 for n in shape):
             fail(f"the shape {shape}", "lengths of axes")
         size = prod(shape) * dtype.itemsize

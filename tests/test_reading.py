@@ -248,3 +248,19 @@ def test_entries_lie_within_the_file() -> None:
 
     with pytest.raises(FileFormatError):
         read_entries(bytes(packed), "file")
+
+
+def test_a_head_that_is_no_python_is_refused() -> None:
+    """Its words are looked at by numpy, which stumbles over brackets that nobody closes."""
+    for head in (b"(" * 100, b"{'descr': [", b"'" * 3, b"\\", b"\xff", b"\0"):
+        data = bytearray(GOOD_ARRAY)
+        data[10 : 10 + len(head)] = head
+
+        with pytest.raises(FileFormatError, match="expected"):
+            read_arrays(_zip({"a.npy": bytes(data)}), "file")
+
+
+def test_numbers_of_another_byte_order_are_refused() -> None:
+    for dtype in (">i4", [("a", ">f4"), ("b", "i1")]):
+        with pytest.raises(FileFormatError, match="of this machine"):
+            read_arrays(_zip({"a.npy": _npy(np.zeros(3, dtype))}), "file")
