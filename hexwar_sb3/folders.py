@@ -8,6 +8,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, nullcontext
 from pathlib import Path
 
+from hexwar_sb3.errors import HexWarError
 from hexwar_sb3.files import UNFINISHED, _check_held, _held, _identity, only_one
 
 Held = Mapping[Path, tuple[int, int]]
@@ -32,7 +33,7 @@ def holding(folder: Path, what: str) -> Iterator[None]:
     with nullcontext() if is_held else only_one(folder, what):
         try:
             yield
-        except OSError:
+        except (OSError, HexWarError):
             check_held(folder)  # a removed folder leads to errors of many kinds: this one says it
             raise
 
