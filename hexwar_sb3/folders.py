@@ -10,7 +10,7 @@ from pathlib import Path
 
 from filelock import FileLock, Timeout
 
-from hexwar_sb3.errors import BusyError
+from hexwar_sb3.errors import BusyError, HexWarError
 from hexwar_sb3.files import UNFINISHED, check_held, held_folders, identity_of, remove_if_left
 
 LOCK = ".lock"  # file of a folder that one process at a time may work in
@@ -39,7 +39,7 @@ def holding(folder: Path, what: str) -> Iterator[None]:
     with nullcontext() if is_held else _only_one(folder, what):
         try:
             yield
-        except OSError:
+        except (OSError, HexWarError):
             check_held(folder)  # a removed folder leads to errors of many kinds: this one says it
             raise
 

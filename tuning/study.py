@@ -131,6 +131,11 @@ class StudySpec:
         """File that the process of a trial holds."""
         return self.trial(number) / "lock"
 
+    @property
+    def own(self) -> Path:
+        """Folder that one process at a time holds: the study's, or this machine's in it, where several share a database."""
+        return self.folder if self.storage is None else self.folder / "machines" / gethostname()
+
     def load(self) -> optuna.Study:
         """Open the study."""
         return optuna.load_study(
@@ -264,7 +269,7 @@ def run_study(
     check_whole("workers", workers, least=1)
     if spec.storage is not None or not (spec.folder / JOURNAL).exists():
         check(load_preset(spec.preset), spec.common)
-    with holding(spec.folder, "study"):
+    with holding(spec.own, "study"):
         return _go_on(spec, begin(spec, points), n_trials, workers, say)
 
 

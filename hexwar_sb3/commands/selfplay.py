@@ -50,7 +50,6 @@ class SelfPlay:
     def run(self) -> int:
         """Begin or go on, then print who was kept."""
         from hexwar_sb3.commands.tournament import named
-        from hexwar_sb3.folders import holding
         from hexwar_sb3.league.league import League
         from hexwar_sb3.league.settings import LeagueSettings
 
@@ -60,9 +59,8 @@ class SelfPlay:
         starters = {name: policy_folder(Path(path)) for name, path in named(self.starters).items()}
         compile_first(scenario=self.scenario)
         try:
-            with holding(self.output, "league"):
-                league = League.create(self.output, settings, starters)
-                league.run(self.jobs, after=lambda k: print(in_words(league, k), file=sys.stderr, flush=True))
+            league = League.create(self.output, settings, starters)
+            league.run(self.jobs, after=lambda k: print(in_words(league, k), file=sys.stderr, flush=True))
         except KeyboardInterrupt:
             print("\nstopped; the same command goes on", file=sys.stderr)
             return INTERRUPTED

@@ -7,7 +7,6 @@ from typing import Annotated
 
 import tyro
 
-from hexwar_sb3.checks import check_whole
 from hexwar_sb3.errors import ConfigError
 
 Json = Annotated[bool, tyro.conf.arg(help="print one JSON object instead of a table")]
@@ -42,6 +41,7 @@ def check_jobs(setting: str, jobs: int) -> None:
     Raises:
         ConfigError: none, or more than any machine bears.
     """
-    check_whole(setting, jobs, least=1)
+    if jobs < 1:
+        raise ConfigError(f"{setting} must be at least 1, got {jobs}")
     if jobs > MOST_JOBS:
         raise ConfigError(f"{setting} must be at most {MOST_JOBS}, got {jobs}")

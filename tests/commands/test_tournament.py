@@ -74,7 +74,7 @@ MISTAKES = {
     "alone": (("MA1",), "needs two players"),
     "unknown": (("MA1", "MA7"), "unknown player 'MA7'"),
     "no games": (("MA1", "MA2", "--games", "0"), "games must be at least 1"),
-    "no jobs": (("MA1", "MA2", "--jobs", "0"), "jobs >= 1"),
+    "no jobs": (("MA1", "MA2", "--jobs", "0"), "jobs must be at least 1, got 0"),
     "two maps of a name": (
         ("MA1", "MA2", "--scenarios", "a/x.json", "b/x.json"),
         "two scenarios have one name",

@@ -452,3 +452,32 @@ def test_what_is_kept_of_a_league_goes_on_as_the_league(
     left = {path.relative_to(kept.folder) for path in (kept.iteration(1) / "groups").glob("*/*")}
     members = [one for members in whole.kept(1).values() for one in members]
     assert left == {member.folder.relative_to(whole.folder) for member in members}
+
+
+@pytest.mark.parametrize("jobs", [1, 2])
+def test_a_league_whose_folder_is_removed_ends_and_makes_nothing(
+    jobs: int, starters: dict[str, Path], tiny: LeagueSettings, tmp_path: Path
+) -> None:
+    league = League.create(tmp_path / "league", tiny, starters)
+    with pytest.raises(FileNotFoundError, match="removed while it was in use"):
+        league.run(jobs, after=lambda k: shutil.rmtree(league.folder) if k == 0 else None)
+
+    assert not league.folder.exists()
+
+
+def test_what_a_killed_league_was_making_goes_away_at_its_next_start(whole: League, tmp_path: Path) -> None:
+    copy = League(Path(shutil.copytree(whole.folder, tmp_path / "copy")), whole.settings)
+    lefts = [
+        copy.iteration(1) / "groups" / ".new-x" / "red" / "config.json",
+        copy.folder / ".new-league-x.json",
+    ]
+    for left in lefts:
+        left.parent.mkdir(parents=True, exist_ok=True)
+        left.touch()
+    copy.run()
+
+    assert not [*copy.folder.rglob(".new-*")]
+    assert copy.kept(2) == {
+        camp: [replace(one, folder=copy.folder / one.folder.relative_to(whole.folder)) for one in members]
+        for camp, members in whole.kept(2).items()
+    }

@@ -224,13 +224,17 @@ def test_a_study_of_which_nothing_was_completed_is_no_success(
     assert "no trial was completed\n" in capsys.readouterr().err
 
 
-def test_a_study_that_another_process_works_on_is_left_alone(spec: StudySpec) -> None:
+@pytest.mark.parametrize("database", [None, "study.db"])
+def test_a_study_that_another_process_works_on_is_left_alone(
+    database: str | None, spec: StudySpec, tmp_path: Path
+) -> None:
+    spec = replace(spec, storage=database and f"sqlite:///{tmp_path / database}")
     study = begin(spec)
     hold = f"""
 import sys
 from pathlib import Path
 from hexwar_sb3.folders import holding
-with holding(Path({str(spec.folder)!r}), "study"):
+with holding(Path({str(spec.own)!r}), "study"):
     print("held", flush=True)
     sys.stdin.read()
 """
@@ -244,7 +248,7 @@ with holding(Path({str(spec.folder)!r}), "study"):
         other.communicate("")
 
     assert len(study.trials) == 1
-    assert known_spec(spec.folder) == spec
+    assert known_spec(spec.folder, spec.storage) == spec
 
 
 def wait_until(condition: Callable[[], bool], seconds: float = 120.0) -> None:
