@@ -122,24 +122,6 @@ class Recorder:
             self._next_state_tick += STATE_TICKS
 
 
-class Unrecorded(Recorder):
-    """Writes nothing down: for a game that is played again, whose lines are there already."""
-
-    def before_step(self, state: State, b: int, given: dict[int, Order] | None = None) -> None:
-        """Make room for the events of the step."""
-        state.games[b].log_count = 0
-
-    def after_step(self, state: State, b: int) -> list[GameEvent]:
-        """Leave out what happened."""
-        return []
-
-    def note_edit(self, tick: int, changes: list[Change]) -> None:
-        """Leave it out."""
-
-    def note_states(self, state: State, b: int, tick: int) -> None:
-        """Leave them out."""
-
-
 def state_line(state: State, b: int, tick: int, world: World, roster: Roster) -> Line:
     """A seek point: what a viewer draws, and the hash of everything."""
     game, pieces, rules = state.games[b], state.pieces[b], world.rules[0]

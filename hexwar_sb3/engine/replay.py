@@ -18,7 +18,7 @@ from hexwar_sb3.engine.edit import Editor
 from hexwar_sb3.engine.game import Game
 from hexwar_sb3.engine.known_events import known_lines
 from hexwar_sb3.engine.orders import Order
-from hexwar_sb3.engine.record import Line, Recorder, Unrecorded, state_hash, state_line
+from hexwar_sb3.engine.record import Line, Recorder, state_hash, state_line
 from hexwar_sb3.engine.replay_file import content_hash, fail, read_lines, write_lines
 from hexwar_sb3.engine.replay_lines import checked
 from hexwar_sb3.engine.roster import SIDES, Roster, camp_name
@@ -232,13 +232,12 @@ class Replay:
     # --- playing it again ------------------------------------------------------------------------
 
     def verify(self) -> None:
-        """Play the game again from head, orders and edits, and compare every state.
+        """Play the game again from head, orders and edits, and compare every state and every event.
 
         Raises:
             ReplayFileError: the first line that differs or cannot be played.
         """
         game = self._new_game()
-        game.recorder = Unrecorded(game.world)
         for number, line in enumerate(self.lines[:-1], start=1):
             self._follow(game, line, number)
             if line["type"] == "state" and state_hash(game.state, 0) != line["hash"]:
@@ -247,6 +246,20 @@ class Replay:
         again = _end_line(game.recorder, game.state, 0)
         if again != {key: value for key, value in self.end.items() if key != "sha256"}:
             self._fail("end", shown(again), f"{shown(self.end)} as in the file")
+        self._compare([*game.recorder.lines, *_last_lines(game.recorder, game.state, 0)])
+
+    def _compare(self, again: list[Line]) -> None:
+        """Compare events and states with those of the game that was played again."""
+        for kind in ("event", "state"):
+            own = [(number, line) for number, line in enumerate(self.lines, start=1) if line["type"] == kind]
+            lines = [line for line in again if line["type"] == kind]
+            for (number, line), other in zip(own, lines, strict=False):
+                if line != other:
+                    self._fail(f"line {number}", f"{shown(other)} when played again", shown(line))
+            if len(own) != len(lines):
+                self._fail(
+                    "file", f"{len(lines)} lines of {kind} when played again", f"{len(own)} as in the file"
+                )
 
     def game_at(self, tick: int) -> Game:
         """The game as it stood at a tick, ready to be played on in another way."""

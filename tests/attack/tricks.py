@@ -83,7 +83,7 @@ def byte_tricks(data: bytes) -> Tricks:
             yield Trick("cut", f"the first {end} bytes", partial(_cut, end))
     for _ in range(30):
         at, bit = rng.randrange(max(n, 1)), rng.randrange(8)
-        yield Trick("flip", f"bit {bit} of byte {at}", partial(_flipped, at, bit))
+        yield Trick("flip", f"bit {bit} of byte {at}", partial(flipped, at, bit))
     for what in (b"\0", b"\xff\xff", b"\xef\xbb\xbf", b"\n", b"{", b"A" * 1000):
         at = rng.randrange(max(n, 1))
         yield Trick("insert", f"{what[:4]!r} at {at}", partial(_inserted, at, what))
@@ -101,7 +101,8 @@ def _cut(end: int, data: bytes) -> bytes:
     return data[:end]
 
 
-def _flipped(at: int, bit: int, data: bytes) -> bytes:
+def flipped(at: int, bit: int, data: bytes) -> bytes:
+    """One bit the other way."""
     if not data:
         return b"\1"
     return data[:at] + bytes([data[at] ^ 1 << bit]) + data[at + 1 :]

@@ -242,6 +242,31 @@ def test_a_state_that_does_not_come_again_is_named(game: Game) -> None:
         resealed(lines).verify()
 
 
+@pytest.mark.parametrize("kind", ["event", "state"])
+@pytest.mark.parametrize("times", [0, 2])
+def test_a_line_left_out_or_said_twice_is_not_verified(kind: str, times: int, game: Game) -> None:
+    lines = lines_of(game)
+    place = [number for number, line in enumerate(lines) if line["type"] == kind][3]
+    lines[place : place + 1] = [lines[place]] * times
+
+    with pytest.raises(ReplayFileError, match="when played again"):
+        resealed(lines).verify()
+
+
+def test_an_event_or_figure_that_did_not_come_is_not_verified(game: Game) -> None:
+    for kind, change in (("event", {"piece": "red:tank1"}), ("state", {"margin": {"red": 1, "blue": 2}})):
+        lines = lines_of(game)
+        number, line = next(
+            (number, line)
+            for number, line in enumerate(lines, start=1)
+            if line["type"] == kind and line.get("piece") != "red:tank1"
+        )
+        line.update(change)
+
+        with pytest.raises(ReplayFileError, match=f"line {number}: found .* when played again"):
+            resealed(lines).verify()
+
+
 @pytest.mark.parametrize(
     ("change", "message"),
     [
