@@ -12,7 +12,7 @@ import pytest
 
 from hexwar_sb3.algorithms.preset_file import load_preset
 from hexwar_sb3.cli import main
-from hexwar_sb3.files import LOCK
+from hexwar_sb3.folders import LOCK
 from hexwar_sb3.play.frozen import FrozenPolicy
 from hexwar_sb3.tuning.final import compare
 from hexwar_sb3.tuning.store import JOURNAL
