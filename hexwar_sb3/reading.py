@@ -30,6 +30,7 @@ from hexwar_sb3.errors import FileFormatError
 
 MAX_JSON_BYTES = 1 << 22
 MAX_DEPTH = 100  # of JSON's lists and objects within each other
+MAX_CONTAINERS = 200_000  # lists and objects
 MAX_DIGITS = 40  # of a whole number in JSON; the state of a random generator has 39
 MAX_ENTRIES = 4_096  # of an archive
 UNPACKED_BYTES, UNPACKED_RATIO = (
@@ -131,9 +132,7 @@ def parse_json(
     """
     try:
         text = data.decode("utf-8") if isinstance(data, bytes) else data
-        value = json.loads(
-            text, object_pairs_hook=_once, parse_constant=_refuse, parse_float=_finite, parse_int=_whole
-        )
+        value = _DECODER.decode(_few(text))
         if "\\ud" in text.lower():
             json.dumps(value, ensure_ascii=False).encode()  # half of a character, which nobody can print
     except json.JSONDecodeError as problem:
@@ -144,6 +143,12 @@ def parse_json(
     if _is_deep(value):
         raise error(source, place, found=f"more than {MAX_DEPTH} levels", expected=f"{expected} as JSON")
     return value
+
+
+def _few(text: str) -> str:
+    if text.count("[") + text.count("{") > MAX_CONTAINERS:
+        raise ValueError(f"more than {MAX_CONTAINERS} lists and objects")
+    return text
 
 
 def _once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
@@ -172,6 +177,11 @@ def _whole(text: str) -> int:
     if len(text) > MAX_DIGITS:
         raise ValueError(f"a number of {len(text)} digits")
     return int(text)
+
+
+_DECODER = json.JSONDecoder(
+    object_pairs_hook=_once, parse_constant=_refuse, parse_float=_finite, parse_int=_whole
+)
 
 
 def _is_deep(value: Any) -> bool:
@@ -255,7 +265,7 @@ def read_arrays(
     with archive(file, source, error, expected) as entries:
         for name in entries.namelist():
             if not name.endswith(".npy"):
-                raise error(source, name, found="an entry of another kind", expected="arrays (.npy)")
+                raise error(source, name, found="an entry that is no array", expected=expected)
         return {
             entry.filename.removesuffix(".npy"): _array(entries, entry, source, error)
             for entry in entries.infolist()

@@ -7,6 +7,7 @@ import pickle
 import pytest
 
 from hexwar_sb3.errors import FileFormatError, HexWarError, UnknownNameError, UnknownSettingError
+from hexwar_sb3.maps.files import UnknownFileError
 from hexwar_sb3.maps.scenario import Problem, StartError
 
 
@@ -19,6 +20,8 @@ def made(kind: type[HexWarError]) -> HexWarError:
         return kind("a.json", "line 7", found="this", expected="that")
     if issubclass(kind, StartError):
         return kind("plain", Problem("tank0", "a cell", "no cell"))
+    if issubclass(kind, UnknownFileError):
+        return kind("map", "creek", ["plain"], "creek.map.json")
     return kind("bot", "MA3", ["MA1", "MA2"]) if issubclass(kind, UnknownNameError) else kind("no")
 
 

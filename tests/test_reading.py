@@ -19,6 +19,7 @@ from numpy.lib import format as npy
 from hexwar_sb3.errors import FileFormatError
 from hexwar_sb3.files import write_json
 from hexwar_sb3.reading import (
+    MAX_CONTAINERS,
     MAX_DEPTH,
     MAX_JSON_BYTES,
     parse_json,
@@ -37,7 +38,7 @@ BROKEN = {
     "nested deeper than anything of ours": (b'{"a":' * 101 + b"1" + b"}" * 101, "text: found more than 100"),
     "no UTF-8": (b'{"a": "\xff"}', "text: found .*can't decode"),
     "UTF-16": ('{"a": 1}'.encode("utf-16"), "text: found .*can't decode"),
-    "with a byte order mark": (b'\xef\xbb\xbf{"a": 1}', "found Unexpected UTF-8 BOM"),
+    "with a byte order mark": (b'\xef\xbb\xbf{"a": 1}', "column 1: found Expecting value"),
     "half a character": (b'{"a": "\\ud800"}', "text: found .*surrogates not allowed"),
     "a key twice": (b'{"a": {"b": 1, "b": 2}}', "text: found the key 'b' twice"),
     "not a number": (b'{"a": NaN}', "text: found NaN"),
@@ -52,6 +53,7 @@ COSTLY = {
     "keys": b"{" + b",".join(b'"%d":0' % k for k in range(320_000)) + b"}",
     "a key again and again": b"{" + b",".join([b'"a":0'] * 600_000) + b"}",
     "lists": b"[" + b"[]," * 1_300_000 + b"0]",
+    "as many lists as there may be": b"[" + b"[]," * (MAX_CONTAINERS - 2) + b"0]",
     "numbers": b"[" + b"1," * 1_900_000 + b"1]",
     "fractions": b"[" + b"1.5," * 990_000 + b"1]",
     "one text": b'"' + b"x" * 3_900_000 + b'"',

@@ -116,7 +116,10 @@ def check_preset(preset: Preset) -> None:
     TaskSettings(**preset.env)
     RouteSettings(**preset.route)
     for part in ("learner", "lower_learner"):
-        check_settings(getattr(preset, part), _owner(part).settings)
+        settings = getattr(preset, part)
+        check_settings(settings, _owner(part).settings)
+        if settings.get("learning_rate") == 0.0:  # for play alone
+            raise ConfigError("learning_rate must be above 0, got 0")
 
 
 def _checked_part(path: Path, part: str, values: dict[str, Any]) -> dict[str, Any]:

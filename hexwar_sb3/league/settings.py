@@ -138,9 +138,9 @@ class LeagueSettings:
                 raise UnknownNameError("argument of the learner", name, LEARNS_BY)
             if not is_plain(value, kinds[name]):
                 raise ConfigError(f"{name} of the learner is a number or a name, got {value!r}")
-        check_settings(self.learner, QMIX.settings)
         for name, most in MOST.items():
             check_whole(f"{name} of the learner", self.learner.get(name, 1), least=1, most=most)
+        check_settings(self.learner, QMIX.settings)
 
 
 def check_number(setting: str, value: object) -> float:
