@@ -12,6 +12,7 @@ import math
 import os
 import stat
 import struct
+import tokenize
 import warnings
 import zipfile
 import zlib
@@ -52,6 +53,7 @@ _BROKEN = (
         RuntimeError,
         MemoryError,
         SyntaxError,
+        tokenize.TokenError,
         Warning,
     ),
 )

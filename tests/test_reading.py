@@ -196,6 +196,7 @@ def bad_archives() -> dict[str, bytes]:
         "a shape of no numbers": _zip({"a.npy": GOOD_ARRAY.replace(b"(2, 3)", b"'abcd'")}),
         "rows of nothing, without end": _zip({"a.npy": _claimed((0, 10**13))}),
         "no type": _zip({"a.npy": GOOD_ARRAY.replace(b"'<i2'", b"'<q9'")}),
+        "brackets without an end": _zip({"a.npy": GOOD_ARRAY.replace(b"(2, 3)", b"((((((")}),
         "code for a shape": _zip({"a.npy": GOOD_ARRAY.replace(b"(2, 3)", b"exit()")}),
         "fewer bytes": _zip({"a.npy": GOOD_ARRAY[:-1]}),
         "more bytes": _zip({"a.npy": GOOD_ARRAY + b"\0"}),

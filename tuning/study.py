@@ -38,7 +38,7 @@ from sqlalchemy.exc import SQLAlchemyError
 from hexwar_sb3.algorithms.preset_file import load_preset, save_preset
 from hexwar_sb3.algorithms.presets import PRESETS
 from hexwar_sb3.checks import check_whole
-from hexwar_sb3.errors import ConfigError, FileFormatError, HexWarError, UnknownNameError
+from hexwar_sb3.errors import ConfigError, FileFormatError, HexWarError, UnknownNameError, shortened
 from hexwar_sb3.evaluation.provenance import provenance
 from hexwar_sb3.files import UNFINISHED, check_held, replacing
 from hexwar_sb3.folders import holding, work_for_holder
@@ -452,7 +452,7 @@ def _difference(known: Any, own: Any, name: str = "") -> str:
             _difference(known.get(key), own.get(key), f"{name}.{key}".strip(".")) for key in names
         )
     found, asked = ("nothing" if one is None else str(one)[:60] for one in (known, own))
-    return f"{name} {found}, not {asked}"
+    return shortened(f"{name} {found}, not {asked}")
 
 
 if __name__ == "__main__":

@@ -47,6 +47,9 @@ def check_trials(trials: Iterable[FrozenTrial], space: Space, study: str) -> Non
     """
     for trial in trials:
         place = f"trial {trial.number}"
+        attributes: tuple[object, ...] = (trial.user_attrs, trial.system_attrs)
+        if not all(isinstance(one, dict) for one in attributes):
+            raise FileFormatError(study, f"{place}.attributes", found="others", expected="values by name")
         _check_values(trial, study, place)
         own = trial.user_attrs
         read = {name: own[name] for name in Attributes.__dataclass_fields__ if name in own}

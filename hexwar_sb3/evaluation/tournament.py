@@ -199,7 +199,7 @@ class Match:
         row = read_json(self.path, "a match")
         for key, value in self.head().items():
             found = row.get(key)
-            if key != "software" and found != value:
+            if key != "software" and _as_text(found) != _as_text(value):  # 0 is not false
                 raise FileFormatError(
                     self.path, key, found=str(found), expected=f"{value}; or choose another folder"
                 )
@@ -256,3 +256,7 @@ def fingerprint(player: object) -> str:
     if isinstance(seat, BotPlayer):
         return f"{seat.name} {bots_hash()}"
     return seat.sha256 if isinstance(seat, FrozenPolicy) else type(seat).__name__
+
+
+def _as_text(value: object) -> str:
+    return json.dumps(value, sort_keys=True)

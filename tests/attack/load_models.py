@@ -15,7 +15,7 @@ import numpy as np
 from tests.attack import valid
 from tests.attack.archives import from_npy, sb3_pickle, to_npy, unzipped, with_entry
 from tests.attack.load_settings import catch_trainings, command
-from tests.attack.oracle import Attempt, arrays_of, check, check_alike, check_finite, play
+from tests.attack.oracle import Attempt, arrays_of, check, check_alike, check_finite, learn, play
 from tests.attack.tricks import Case, Lens, Trick, Tricks, byte_tricks, entry, of_file, place_cases
 from tests.attack.tricks_array import npz_tricks
 from tests.attack.tricks_json import HERE, VALUES, json_tricks
@@ -157,7 +157,7 @@ def model_attempt(kind: str, root: Path) -> Attempt:
         model.predict(env.reset(), deterministic=True)
         model = algorithm.load(path, env=env, device="cpu")
         check_model(model, good_here)
-        model.learn(6, reset_num_timesteps=False)
+        learn(model, 6)
         if kind == "hierarchical" and path.name == "model":
             command(
                 "train",
@@ -256,7 +256,6 @@ def checkpoint_attempt(kind: str, algorithm_name: str, root: Path) -> Attempt:
         check(bool(((bloods >= 0) & (bloods <= blood)).all()), "blood out of range was taken")
         play(env, model)
         model._last_obs = env.reset()
-        model.learn(6, reset_num_timesteps=False)
-        check_finite(model)
+        learn(model, 6)
 
     return attempt

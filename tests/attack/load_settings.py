@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from tests.attack import valid
-from tests.attack.oracle import Attempt, check, check_said, said
+from tests.attack.oracle import Attempt, check, check_said, learn, said
 from tests.attack.tricks import Case, Trick, Tricks, byte_tricks, of_file, place_cases
 from tests.attack.tricks_json import VALUES, Place, json_tricks, with_value
 from tests.attack.valid import CHECKPOINT
@@ -60,7 +60,7 @@ def preset_attempt(_: Path) -> Attempt:
         how = ("--scenario", valid.SCENARIO, "--opponents", "MA1", "--device", "cpu", "-n", "24")
         command("train", "--preset", str(path), *how, "--runs", str(folder / "runs"))
         check(len(caught) == 1, "it ended well, and no training began")
-        caught[0][1].learn(4)
+        learn(caught[0][1], 4)
 
     return attempt
 
@@ -133,7 +133,7 @@ def run_attempt(root: Path) -> Attempt:
             check(getattr(settings, name) >= 1, f"{name} is {getattr(settings, name)}")
         settings.terms()
         training.watchers(settings, _run_folder(folder))
-        model.learn(2, reset_num_timesteps=False)
+        learn(model, 2)
 
     return attempt
 

@@ -95,7 +95,7 @@ LOADERS: dict[str, Loader] = {
             partial(checkpoint_attempt, "levels_checkpoint", "hierarchical"),
         ),
         Loader("evaluations", "curve", partial(npz_cases, "evaluations.npz"), curve_attempt, ("again.npz",)),
-        Loader("match", "tournament", tournament_cases, tournament_attempt),
+        Loader("match", "tournament", tournament_cases, tournament_attempt, ("*.json", "*.lock", ".lock")),
         Loader("league", "league", league_cases, league_attempt, ("league.png", "*.lock", ".lock")),
         Loader(
             "study", "study", study_cases, study_attempt, ("found.json", "*.lock", ".lock", "preset.json")

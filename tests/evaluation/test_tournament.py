@@ -163,6 +163,15 @@ def test_a_match_file_that_was_changed_is_noticed(what: str, played: Match, tmp_
         match.read()
 
 
+def test_terms_are_of_their_types(played: Match, tmp_path: Path) -> None:
+    """In Python 0 equals False."""
+    match, row = replace(played, folder=tmp_path), json.loads(played.path.read_text())
+    row["terms"] |= {"early": 0}
+    match.path.write_text(json.dumps(row))
+    with pytest.raises(FileFormatError, match="terms: found"):
+        match.read()
+
+
 @pytest.mark.parametrize("camp", ["red", "blue"])
 @pytest.mark.parametrize(
     "name",

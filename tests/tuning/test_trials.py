@@ -10,7 +10,7 @@ import optuna
 import pytest
 from optuna.trial import TrialState, create_trial
 
-from hexwar_sb3.errors import FileFormatError, HexWarError
+from hexwar_sb3.errors import ConfigError, FileFormatError, HexWarError
 from hexwar_sb3.tuning.space import PAPER, space_of
 from hexwar_sb3.tuning.store import open_storage
 from hexwar_sb3.tuning.study import StudySpec, begin, known_spec
@@ -46,6 +46,8 @@ WRONG: dict[str, tuple[dict[str, Any], str]] = {
     ),
     "a point of another space": ({"params": {"alpha": 0.1}}, "trial -1: found no beta"),
     "a value outside": ({"params": {**PAPER, "alpha": 7.0}}, r"trial -1\.params: found alpha must be"),
+    "attributes without names": ({"system_attrs": [{}]}, r"trial -1\.attributes: found others"),
+    "attributes that are a text": ({"user_attrs": "ticks"}, r"trial -1\.attributes: found others"),
     "a point in line that is none": (
         {"system_attrs": {"fixed_params": []}},
         r"trial -1\.point: found a point is",
@@ -113,6 +115,16 @@ def test_common_settings_of_other_kinds_are_refused(spec: StudySpec) -> None:
         told(spec, common={**spec.values()["common"], **change})
         with pytest.raises(HexWarError):
             known_spec(spec.folder)
+
+
+def test_a_strangers_text_does_not_steer_the_terminal(spec: StudySpec) -> None:
+    begin(spec)
+    study = optuna.load_study(study_name="study", storage=open_storage(spec.folder))
+    study.set_user_attr("meaning", {**study.user_attrs["meaning"], "scenario": "\x1b[2J"})
+
+    with pytest.raises(ConfigError, match=r"another study: scenario \\x1b\[2J, not plain") as error:
+        begin(spec)
+    assert str(error.value).isprintable()
 
 
 def test_a_study_names_no_file_of_ours(spec: StudySpec, tmp_path: Path) -> None:
