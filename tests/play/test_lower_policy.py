@@ -159,7 +159,7 @@ def rewrite(**changes: NDArray[np.float32]) -> Callable[[Path], None]:
 @pytest.mark.parametrize(
     ("damage", "message"),
     [
-        (cut(CONFIG), f"{CONFIG}: text: found .*; expected JSON"),
+        (cut(CONFIG), f"{CONFIG}: text, line .*: found .*; expected .*JSON"),
         (cut(WEIGHTS), f"{WEIGHTS}: sha256: found other weights"),
         (flip, f"{WEIGHTS}: sha256: found other weights; expected those that config.json was written with"),
         (lambda folder: (folder / CONFIG).unlink(), f"{CONFIG}: file: found .*No such file"),
