@@ -193,6 +193,8 @@ def in_worker(env: gymnasium.Env[Any, Any]) -> gymnasium.Env[Any, Any]:
 
     class Counting(gymnasium.Wrapper[Any, Any, Any, Any]):
         def compiled(self) -> int:
+            from hexwar_sb3.kernels import counts  # the worker's own: a global would travel by value, too
+
             return counts[COMPILED]
 
     return Counting(env)
@@ -220,7 +222,12 @@ def test_a_game_that_was_sent_to_a_worker_of_joblib_compiles_nothing() -> None:
     Game(seed=4).advance(400)  # what it takes is compiled now
     game = Game(seed=4)
     game.advance(10)
-    played = joblib.delayed(lambda one: (one.advance(300), str(one), counts[COMPILED]))
-    found = joblib.Parallel(n_jobs=2, backend="loky")(played(game) for _ in range(2))
+
+    def played(one: Game) -> tuple[Any, str, int]:
+        from hexwar_sb3.kernels import counts  # the worker's own
+
+        return one.advance(300), str(one), counts[COMPILED]
+
+    found = joblib.Parallel(n_jobs=2, backend="loky")(joblib.delayed(played)(game) for _ in range(2))
     here = game.advance(300), str(game), 0
     assert found == [here, here]
