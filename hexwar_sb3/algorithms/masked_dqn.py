@@ -29,6 +29,7 @@ from hexwar_sb3.algorithms.ranges import (
     LEARNING,
     MOST_BATCH,
     MOST_LAYERS,
+    MOST_STEPS,
     MOST_WIDTH,
     OPTIMIZER,
     WIDTH,
@@ -58,7 +59,7 @@ def vec_steps(value: Any) -> int:
     if isinstance(found, list | tuple) and len(found) == 2 and getattr(found[1], "value", found[1]) == "step":
         found = found[0]
     try:
-        return Whole()(found)
+        return Whole(1, MOST_STEPS)(found)
     except Misfit:
         raise Misfit(value, "a number of VecEnv steps") from None
 

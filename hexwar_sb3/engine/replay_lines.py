@@ -100,7 +100,8 @@ WHOLE = Kind("a whole number", _is_whole)
 FLAG = Kind("true or false", lambda value: type(value) is bool)
 TEXT = Kind(f"a text of at most {MAX_CHARACTERS} printable characters", _is_text)
 CAMP = Kind(" or ".join(_CAMPS), lambda value: type(value) is str and value in _CAMPS)
-OF_CAMPS = Kind("a whole number for red and for blue", _of_camps)
+OF_CAMPS = Kind("a whole number for red or blue, or for both", _of_camps)
+OF_BOTH = Kind("a whole number for red and for blue", lambda value: _of_camps(value) and len(value) == 2)
 PLAIN = Kind(
     "a list of texts, or of names and values",
     lambda value: _is_list(value, 2 * MAX_SIDE_PIECES, lambda one: isinstance(one, str | dict)),
@@ -159,7 +160,7 @@ LINES: Mapping[str, tuple[Mapping[str, Kind], Mapping[str, Kind]]] = {
         {
             "tick": TICK,
             "hash": TEXT,
-            "margin": OF_CAMPS,
+            "margin": OF_BOTH,
             "owners": Kind(
                 f"at most {MAX_CONTROL_POINTS} of {', '.join(_OWNERS)}",
                 lambda value: _is_list(value, MAX_CONTROL_POINTS, _OWNERS.__contains__),

@@ -92,3 +92,7 @@ def _check(arrays: dict[str, NDArray[Any]], path: Path) -> None:
         least = -MOST if name == "results" else 0
         if array.size and not (least <= array.min() and array.max() <= most):  # a NaN is neither
             raise FileFormatError(path, name, found="a number out of range", expected=f"{least}..{most}")
+        if is_count and (array[1:] < array[:-1]).any():
+            raise FileFormatError(
+                path, name, found="numbers that fall", expected="one evaluation after another"
+            )

@@ -546,6 +546,7 @@ def test_many_short_phases_are_one_long_run(make_model: MakeModel) -> None:
         ({"exploration_steps": 0}, "exploration_steps must be at least 1, got 0"),
         ({"exploration_final_eps": 2.0}, r"exploration_final_eps must be in \[0, 1\], got 2.0"),
         ({"train_freq": 0}, "train_freq must be a number of VecEnv steps, got 0"),
+        ({"train_freq": 10**9}, "train_freq must be a number of VecEnv steps, got 1000000000"),
         ({"train_freq": ("step", 4)}, "train_freq must be a number of VecEnv steps"),
         ({"batch_size": 0}, "batch_size must be at least 1, got 0"),
         ({"buffer_size": 10**12}, "buffer_size must be at most"),

@@ -47,6 +47,11 @@ def _set_setting(document: Any, place: Place, value: str, _: bytes) -> bytes:
     return with_value(place, value, json.dumps(document).encode())
 
 
+def _without_inf(preset: Any) -> Any:
+    """As JSON says it, which has no infinite number."""
+    return json.loads(json.dumps(preset), parse_constant=lambda _: None)
+
+
 def preset_attempt(_: Path) -> Attempt:
     caught = catch_trainings()
 
@@ -55,7 +60,7 @@ def preset_attempt(_: Path) -> Attempt:
 
         path = folder / "preset.json"
         preset = load_preset(str(path))
-        check_said(said(path.read_bytes())["preset"], json.loads(json.dumps(asdict(preset))))
+        check_said(said(path.read_bytes())["preset"], _without_inf(asdict(preset)))
         caught.clear()
         how = ("--scenario", valid.SCENARIO, "--opponents", "MA1", "--device", "cpu", "-n", "24")
         command("train", "--preset", str(path), *how, "--runs", str(folder / "runs"))

@@ -50,6 +50,15 @@ def use(path: Path) -> None:
     replay.for_camp("red")
 
 
+def test_a_state_has_the_margins_of_both_camps(lines: Lines, tmp_path: Path) -> None:
+    number = next(n for n, line in enumerate(lines) if line["type"] == "state")
+    lines = [*lines[:number], {**lines[number], "margin": {"red": 0}}, *lines[number + 1 :]]
+    with pytest.raises(
+        ReplayFileError, match=r"state\.margin: found .*; expected a whole number for red and for blue"
+    ):
+        Replay.load(write(tmp_path / "x.hwr", lines))
+
+
 @pytest.mark.parametrize("kind", ["head", *(name for name in LINES if name != "view")])
 def test_nothing_but_our_errors_comes_of_a_bad_line(
     kind: str, lines: Lines, bad: Any, tmp_path: Path

@@ -91,6 +91,14 @@ def test_an_array_of_another_kind_is_named(swap: str, key: str, tmp_path: Path) 
     assert History.load(path).timesteps == [100, 200]
 
 
+@pytest.mark.parametrize("key", ["timesteps", "game_ticks"])
+def test_evaluations_follow_one_another(key: str, tmp_path: Path) -> None:
+    np.savez(tmp_path / "evaluations.npz", **{**GOOD, key: GOOD[key][::-1]})
+
+    with pytest.raises(FileFormatError, match=f"{key}: found numbers that fall"):
+        History.load(tmp_path / "evaluations.npz")
+
+
 @pytest.mark.parametrize("how", ["array", "flipped", "missing", "folder"])
 def test_a_file_that_is_none_is_refused(how: str, history: History, tmp_path: Path) -> None:
     path = tmp_path / "evaluations.npz"
