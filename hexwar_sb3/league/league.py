@@ -35,9 +35,10 @@ from hexwar_sb3.league.settings import EXPLORING_SHARE, LEARNER, LeagueSettings
 from hexwar_sb3.league.work import Opponents, env_settings, env_steps, job_seed
 from hexwar_sb3.play.frozen import FrozenPolicy
 from hexwar_sb3.policies.shapes import TaskShapes
-from hexwar_sb3.reading import read_json
+from hexwar_sb3.reading import check_names, read_json
 
 FORMAT = "hexwar league 1"
+TABLE_KEYS = ("iteration", "kept", "standings", "red_win_rates")  # of an iteration's table
 FIRST = ".first"  # file of the plan of the very first best; no model is called like that
 NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]{0,79}")
 Generation = dict[str, list[Member]]  # by camp, the best first
@@ -75,7 +76,9 @@ class League:
             said = f"{str(found.get('format'))[:40]!r} with {str(found.get('settings'))[:60]}"
             raise FileFormatError(path, "format", found=said, expected=f"{FORMAT!r} with settings")
         settings = LeagueSettings(**read_fields(LeagueSettings, found["settings"], path, whole=True))
-        for key, value in provenance(settings.scenario).items():
+        origin = provenance(settings.scenario)
+        check_names(found, {"format": "", "settings": "", **origin}, path)
+        for key, value in origin.items():
             if key != "software" and found.get(key) != value:
                 raise FileFormatError(path, key, found=str(found.get(key)), expected=value)
         return cls(folder, settings)
@@ -173,7 +176,7 @@ class League:
             FileFormatError: its table is broken.
         """
         path = self.table(k)
-        kept, known = read_json(path).get("kept"), self.models(k)
+        kept, known = self._table(k).get("kept"), self.models(k)
         found: Generation = {}
         for camp in CAMPS:
             by_name = {member.name: member for member in known[camp]}
@@ -193,6 +196,11 @@ class League:
             found[camp] = [by_name[name] for name in names]
         return found
 
+    def _table(self, k: int) -> dict[str, Any]:
+        found = read_json(self.table(k))
+        check_names(found, dict.fromkeys(TABLE_KEYS), self.table(k))
+        return found
+
     def standings(self, k: int) -> dict[str, list[Standing]]:
         """Rows of iteration k's table by camp, the best first.
 
@@ -200,7 +208,7 @@ class League:
             FileFormatError: its table is broken.
         """
         path = self.table(k)
-        found, rows = read_json(path).get("standings"), dict[str, list[Standing]]()
+        found, rows = self._table(k).get("standings"), dict[str, list[Standing]]()
         for camp in CAMPS:
             listed = found.get(camp) if isinstance(found, dict) else None
             if not isinstance(listed, list) or not listed:
