@@ -14,6 +14,7 @@ from torch import Tensor, nn
 
 from hexwar_sb3.errors import ConfigError
 from hexwar_sb3.play.lower_policy import FrozenLower
+from hexwar_sb3.policies.trusted import TrustedFiles
 
 MASK = "action_mask"
 MASKED_VALUE = -1e9  # of an invalid action; finite, so that no mean, difference or product of it is NaN
@@ -52,7 +53,7 @@ class MaskedExtractor(CombinedExtractor):
         super().__init__(spaces.Dict(parts), **options)
 
 
-class MaskedQNetwork(QNetwork):
+class MaskedQNetwork(TrustedFiles, QNetwork):
     """Q of every action [B, A]."""
 
     def forward(self, obs: PyTorchObs) -> Tensor:
@@ -60,7 +61,7 @@ class MaskedQNetwork(QNetwork):
         return fill_masked(super().forward(obs), obs[MASK])  # type: ignore[index]  # a Dict's tensors
 
 
-class MaskedQuantileNetwork(QuantileNetwork):
+class MaskedQuantileNetwork(TrustedFiles, QuantileNetwork):
     """Quantiles of the return of every action [B, quantile, A]."""
 
     def forward(self, obs: PyTorchObs) -> Tensor:
@@ -68,7 +69,7 @@ class MaskedQuantileNetwork(QuantileNetwork):
         return fill_masked(super().forward(obs), obs[MASK].unsqueeze(1))  # type: ignore[index]  # a Dict's tensors
 
 
-class MaskedDQNPolicy(DQNPolicy):
+class MaskedDQNPolicy(TrustedFiles, DQNPolicy):
     """DQN's policy over valid actions; so the targets of SB3's own `train` are masked too.
 
     The observation space is a Dict with an "action_mask" of 0 and 1 [A] for Discrete(A); the mask is no feature.
@@ -123,7 +124,7 @@ def freeze_lower(
     return FrozenLower(weights, ways=ways, tie=tie, about=about)
 
 
-class MaskedQRDQNPolicy(QRDQNPolicy):
+class MaskedQRDQNPolicy(TrustedFiles, QRDQNPolicy):
     """QR-DQN's policy over valid actions; arguments as those of `MaskedDQNPolicy`, and n_quantiles."""
 
     is_normalised = False  # as in MaskedDQNPolicy

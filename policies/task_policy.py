@@ -19,11 +19,12 @@ from hexwar_sb3.policies.agent import NETWORKS, AgentNetwork, TaskNetwork
 from hexwar_sb3.policies.mixers import MIXERS, Mixer
 from hexwar_sb3.policies.shapes import TaskShapes
 from hexwar_sb3.policies.task_sets import pack_observation
+from hexwar_sb3.policies.trusted import TrustedFiles
 
 Observation = Mapping[str, np.ndarray]
 
 
-class TaskPolicy(BasePolicy):
+class TaskPolicy(TrustedFiles, BasePolicy):
     """Picks a task for every piece: the valid one with the highest Q_i.
 
     Args:

@@ -19,6 +19,7 @@ from hexwar_sb3.engine.roster import SIDES, camp_name
 from hexwar_sb3.errors import FileFormatError
 from hexwar_sb3.files import replacing
 from hexwar_sb3.maps.document import Document, shown
+from hexwar_sb3.maps.geometry import neighbour_cells
 from hexwar_sb3.maps.hexmap import HexMap
 
 SCHEMA = 2
@@ -121,9 +122,11 @@ def _read_cells(part: Document, key: str, hexmap: HexMap) -> tuple[int, ...]:
 
 
 def _read_walls(document: Document, hexmap: HexMap) -> tuple[tuple[int, int], ...]:
-    walls = []
+    walls, neighbours = [], neighbour_cells(hexmap.width, hexmap.height)
     for text in document.texts("walls", range(_MAX_WALLS)):
         a, _, b = text.partition("-")
         first, second = (document.cell("walls", name, hexmap.width, hexmap.height) for name in (a, b))
+        if second not in neighbours[first]:
+            document.fail("walls", shown(text), "two neighbours")
         walls.append((int(first), int(second)))
     return tuple(walls)

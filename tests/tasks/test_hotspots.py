@@ -249,6 +249,8 @@ def test_hot_spots_come_back_from_their_file(spots: HotSpots, tmp_path: Path) ->
         ({"map_hash": "0"}, r'map_hash: found "0"; expected "[0-9a-f]{16}", the map plain-15x9'),
         ({"k": 9}, "k: found 9; expected a whole number from 0 to 1"),
         ({"walls": ["0101"]}, "walls: found "),
+        ({"walls": ["0101-0301"]}, 'walls: found "0101-0301"; expected two neighbours'),
+        ({"walls": ["0101-0101"]}, "expected two neighbours"),
         ({"more": 1}, 'file: found the key "more"'),
         ({"red": {"cells": ["0403", "0403"], "hull": [], "visits": {}}}, 'red.cells: found "0403" twice'),
         ({"red": {"cells": ["0403"], "hull": [], "visits": {"0403": 0}}}, "red.visits.0403: found 0"),
