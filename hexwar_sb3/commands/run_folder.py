@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import json
+import warnings
 from dataclasses import asdict, dataclass
 from math import isnan
 from pathlib import Path
 from typing import Any
 
+from hexwar_sb3.errors import FileFormatError
 from hexwar_sb3.evaluation.csv_file import number_in, read_rows
 from hexwar_sb3.files import replacing
 from hexwar_sb3.reading import read_json
+
+ELAPSED = "time/time_elapsed"  # seconds since the start of a part, as Stable-Baselines3 logs them
 
 
 @dataclass(frozen=True)
@@ -73,7 +77,10 @@ class RunFolder:
         return self.path / "page.txt"
 
     def minutes_before(self) -> float:
-        """Wall time of the earlier parts of a run that was broken off, by their logs."""
+        """Wall time of the earlier parts of a run that was broken off, by their logs.
+
+        A kill may leave a broken log. Its time is lost, the run is not: a warning, and it counts as nothing.
+        """
         return sum(_seconds(part) for part in self.path.glob("progress_*.csv")) / 60
 
     def write_config(self, config: Any, command: str) -> None:
@@ -91,7 +98,14 @@ class RunFolder:
 
 
 def _seconds(log: Path) -> float:
-    found = (number_in(row, "time/time_elapsed", log) for row in read_rows(log))
+    try:
+        rows = read_rows(log)
+        found = [
+            number_in(row, ELAPSED, log) for row in rows if ELAPSED in row
+        ]  # none before the first games end
+    except FileFormatError as error:
+        warnings.warn(f"{error}; the time it tells of is not counted", stacklevel=3)
+        return 0.0
     return max((seconds for seconds in found if not isnan(seconds)), default=0.0)
 
 

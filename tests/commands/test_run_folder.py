@@ -80,20 +80,28 @@ def test_nothing_but_our_errors_comes_of_bad_settings(tmp_path: Path, bad: Any) 
     assert refused > 300
 
 
+def test_a_part_that_ended_before_its_first_games_counts_nothing(tmp_path: Path) -> None:
+    for k, text in enumerate(("", "train/loss,x\n1,2\n", "time/time_elapsed,x\n"), start=1):
+        (tmp_path / f"progress_{k}.csv").write_text(text, encoding="utf-8")
+
+    assert RunFolder(tmp_path).minutes_before() == 0
+
+
 BAD_LOGS = {
     "no number": b"time/time_elapsed,x\nsoon,1\n",
     "NaN": b"time/time_elapsed,x\nnan,1\n",
     "infinity": b"time/time_elapsed,x\n1e999,1\n",
-    "no such column": b"x\n1\n",
     "a field of megabytes": b"time/time_elapsed,x\n1," + b"9" * 200_000 + b"\n",
     "no text": b"time/time_elapsed,x\n\xff\xfe,1\n",
     "more fields than the head": b"time/time_elapsed\n1,2,3\n",
+    "broken off by a kill": b"time/time_elapsed,x\n60,1\n120",
     "more than 4 MB": b"time/time_elapsed\n" + b"1\n" * 3_000_000,
 }
 
 
 @pytest.mark.parametrize("what", BAD_LOGS)
-def test_a_broken_log_is_named(what: str, tmp_path: Path) -> None:
+def test_a_broken_log_is_named_and_costs_no_more_than_its_minutes(what: str, tmp_path: Path) -> None:
     (tmp_path / "progress_1.csv").write_bytes(BAD_LOGS[what])
-    with pytest.raises(FileFormatError, match=r"progress_1\.csv"):
-        RunFolder(tmp_path).minutes_before()
+    (tmp_path / "progress_2.csv").write_text("time/time_elapsed\n60\n", encoding="utf-8")
+    with pytest.warns(UserWarning, match=r"progress_1\.csv: .*not counted"):
+        assert RunFolder(tmp_path).minutes_before() == 1
