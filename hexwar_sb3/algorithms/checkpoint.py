@@ -34,9 +34,9 @@ from hexwar_sb3.files import replacing
 from hexwar_sb3.play.seeds import check_rng, text_of
 from hexwar_sb3.reading import opened, parse_json, read_arrays
 
-FORMAT = "hexwar checkpoint 4"
+FORMAT = "hexwar checkpoint 5"
 _SINGLE = ("format", "model", "torch_random", "random", "exploring", "current")
-_GROUPS = ("replay", "last_obs", "env", "more")
+_GROUPS = ("replay", "last_obs", "env", "squads", "more")
 _KEYS, _WORD = 624, 2**32  # of the generator behind numpy's global functions
 
 
@@ -55,6 +55,7 @@ def save_checkpoint(model: QMIX, path: str | Path) -> None:
         **under("replay", model.replay_buffer.snapshot()),
         **under("last_obs", last_obs or {}),
         **under("env", env_snapshot(model.env) if last_obs else {}),  # before them no game has begun
+        **under("squads", model.squads.snapshot()),
         **under("more", model.snapshot()),
     }
     with replacing(Path(path)) as temporary, temporary.open("wb") as file:
@@ -88,6 +89,8 @@ def _go_on(arrays: Arrays, env: VecEnv, algorithm: type[QMIX], kwargs: dict[str,
     model = _model(arrays, env, algorithm, kwargs)
     with placed("replay"):
         model.replay_buffer.restore(part("replay", arrays))
+    with placed("squads"):
+        model.squads.restore(part("squads", arrays))
     with placed("more"):
         model.restore(part("more", arrays))
     games = part("env", arrays)

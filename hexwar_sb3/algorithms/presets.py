@@ -13,11 +13,12 @@ LEARNER = (
     *("mixer", "learning_rate", "final_learning_rate", "batch_size", "tau", "gamma", "n_steps", "td_lambda"),
     *("double_q", "gradient_steps", "stickiness"),
     *("exploration_initial_eps", "exploration_final_eps", "exploration_episodes"),
+    *("squad_initial_share", "squad_final_share", "squad_episodes"),
 )
 """Settings that are arguments of QMIX."""
 WIDTHS = ("hidden", "embed")  # of its networks
 PARTS = {
-    **{name: ("env", name) for name in ("reward", "decisions", "spots")},
+    **{name: ("env", name) for name in ("reward", "decisions", "spots", "priority")},
     **{name: ("route", name) for name in ("alpha", "beta", "beta_per", "ways")},
     **{name: ("learner", name) for name in LEARNER},
     "lower_gamma": ("lower_learner", "gamma"),

@@ -45,6 +45,7 @@ from hexwar_sb3.algorithms.ranges import (
     setting,
 )
 from hexwar_sb3.algorithms.replay import Batch, StepReplay, situation_of
+from hexwar_sb3.algorithms.squads import SquadOrders, check_ordered
 from hexwar_sb3.algorithms.task_model import TaskModel
 from hexwar_sb3.algorithms.td_targets import qmix_target
 from hexwar_sb3.algorithms.td_update import LOSSES, TDLearner
@@ -96,6 +97,9 @@ SETTINGS: Table = {
     "exploration_episodes": Whole(),
     "exploration_every": Whole(),
     "stickiness": BELOW_ONE,
+    "squad_initial_share": SHARE,
+    "squad_final_share": SHARE,
+    "squad_episodes": Whole(),
     "chunk_size": Whole(1, MOST_BATCH),
 }
 """Settings of QMIX by their arguments' names."""
@@ -132,6 +136,10 @@ class QMIX(TaskModel):
         exploration_episodes: finished games until then; a saved count, so a resumed run goes on where it was.
         exploration_every: episodes between two steps down.
         stickiness: probability that an exploring piece keeps its random task at a decision.
+        squad_initial_share: share of the games, at the start, in which some pieces hold a spot together for a while
+            (`SquadOrders`); 0 but for the task env.
+        squad_final_share: and after `squad_episodes`.
+        squad_episodes: finished games until then.
         max_grad_norm: gradients are clipped to it.
         chunk_size: transitions computed at a time; gradients add up.
         policy_kwargs: further arguments of the policy.
@@ -180,6 +188,9 @@ class QMIX(TaskModel):
         exploration_episodes: int = 4_000,
         exploration_every: int = 1,
         stickiness: float = 0.8,
+        squad_initial_share: float = 0.0,
+        squad_final_share: float = 0.0,
+        squad_episodes: int = 7_000,
         max_grad_norm: float = 10.0,
         chunk_size: int = 256,
         policy_kwargs: dict[str, Any] | None = None,
@@ -218,6 +229,8 @@ class QMIX(TaskModel):
         self.exploration_initial_eps = exploration_initial_eps
         self.exploration_final_eps = exploration_final_eps
         self.exploration_episodes, self.exploration_every = exploration_episodes, exploration_every
+        self.squad_initial_share, self.squad_final_share = squad_initial_share, squad_final_share
+        self.squad_episodes = squad_episodes
         self._periods_trained = 0
         if _init_setup_model:
             self._setup_model()
@@ -232,6 +245,8 @@ class QMIX(TaskModel):
         self.rng = np.random.default_rng(self.seed)
         shapes = TaskShapes.of(self.observation_space, self.action_space)
         self.task_sizes = asdict(shapes)
+        if self.squad_initial_share or self.squad_final_share:
+            check_ordered(shapes)
         self.policy_kwargs.setdefault("state_dim", shapes.state_dim)
         policy = self.policy_class(
             self.observation_space, self.action_space, self.lr_schedule, **self.policy_kwargs
@@ -280,6 +295,7 @@ class QMIX(TaskModel):
         n_pieces = self.policy.shapes.n_pieces
         self.replay_buffer.cut_short()
         self.explorer = Explorer(self.n_envs, n_pieces, self.stickiness)
+        self.squads = SquadOrders(self.n_envs, n_pieces)
         self.current = np.full((self.n_envs, n_pieces), NO_TASK)
         self.game_log = GameLog(self.n_envs, self.gamma)
 
@@ -323,6 +339,13 @@ class QMIX(TaskModel):
             self.exploration_every,
         )
 
+    @property
+    def squad_share(self) -> float:
+        """Share of the games that begin now in which a squad has an order: a function of the finished games."""
+        return epsilon_at(
+            self._episode_num, self.squad_initial_share, self.squad_final_share, self.squad_episodes
+        )
+
     def _sample_action(
         self, learning_starts: int, action_noise: ActionNoise | None = None, n_envs: int = 1
     ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
@@ -334,6 +357,8 @@ class QMIX(TaskModel):
         epsilon = 1.0 if self.num_timesteps < learning_starts else self.exploration_rate
         mask = checked_masks(observation["action_mask"])
         tasks = self.explorer.choose(self.policy.greedy(observation), self.current, mask, epsilon, self.rng)
+        if self.squad_initial_share or self.squad_final_share:
+            tasks = self.squads.lead(tasks, observation, self.squad_share, self.rng)
         return tasks, tasks
 
     def predict(
@@ -367,6 +392,7 @@ class QMIX(TaskModel):
         under_way = np.array([info.get("current_tasks", buffer_action[b]) for b, info in enumerate(infos)])
         self.current = np.where(dones[:, None], NO_TASK, under_way)
         self.explorer.end_games(dones)
+        self.squads.end_games(dones)
         super()._store_transition(replay_buffer, buffer_action, new_obs, reward, dones, infos)
 
     def _log_step(

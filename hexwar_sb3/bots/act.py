@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from hexwar_sb3.bots.chance import act_at_random
+from hexwar_sb3.bots.draw import draw_player
+from hexwar_sb3.bots.drawn import think_drawn
 from hexwar_sb3.bots.duties import order_duties
 from hexwar_sb3.bots.fire import guide_missiles, lob_rounds
 from hexwar_sb3.bots.ladder import climb
 from hexwar_sb3.bots.points import choose_people, first_points, move_idle
 from hexwar_sb3.bots.registry import Bot
+from hexwar_sb3.bots.unseen import think_unseen
 from hexwar_sb3.bots.weigh import known_lead, renew_trust
 from hexwar_sb3.kernels import Row, Rows, kernel
 from hexwar_sb3.tasks.known import end_piece, first_piece
@@ -27,6 +30,14 @@ def bot_act(
         if thinks:
             think(style, camp, game, pieces, memory, rounds, plans, brain, rules, cells, los, eta, atlas)
         support(style, camp, game, pieces, memory, rounds, orders, brain, rules, cells, config)
+    elif bot == Bot.DRAWN or bot == Bot.UNSEEN:
+        if brain.thoughts == 1 and thinks:
+            draw_player(bot, camp, game, pieces, brain.drawn)
+        if thinks and bot == Bot.DRAWN:
+            think_drawn(camp, game, pieces, memory, rounds, plans, brain, rules, cells, los, eta, atlas)
+        elif thinks:
+            think_unseen(camp, game, pieces, memory, plans, brain, rules, cells, atlas)
+        support(brain.drawn.style, camp, game, pieces, memory, rounds, orders, brain, rules, cells, config)
     elif thinks and bot == Bot.RANDOM:
         act_at_random(camp, game, pieces, orders, plans, brain, rules, cells, config)
     elif thinks:

@@ -24,20 +24,34 @@ def order_duties(
     rules: Row, cells: Rows, los: Rows, eta: Rows, atlas: Row,
 ) -> None:  # fmt: skip
     """Give every piece of the camp that is on the map its plan."""
-    first = first_piece(camp, game)
-    for i in range(first, end_piece(camp, game)):
-        piece = pieces[i]
-        if piece.blood == 0 or piece.carrier != NO_PIECE or in_fight(game, piece):
-            continue
-        if piece.kind == PieceType.AEROCRAFT:
-            cell = scout(style, i, camp, game, pieces, memory, brain, rules, cells, los, atlas)
-            give_plan(style, i, TaskKind.HOLD, cell, game, plans)
-        elif recovers(i, camp, game, pieces, memory, brain, rules, cells):
-            give_plan(style, i, TaskKind.RECOVER, NO_CELL, game, plans)
-        elif has_flying_round(i, rounds):
-            stay(style, i, camp, game, pieces, brain, plans)
-        elif not ride(style, i, camp, game, pieces, memory, plans, brain, rules, cells, eta, atlas.config):
-            work(style, i, camp, game, pieces, memory, plans, brain, rules, cells, los, eta, atlas)
+    for i in range(first_piece(camp, game), end_piece(camp, game)):
+        if takes_orders(pieces[i], game):
+            order_duty(
+                style, i, camp, game, pieces, memory, rounds, plans, brain, rules, cells, los, eta, atlas
+            )
+
+
+@kernel
+def takes_orders(piece: Row, game: Row) -> bool:
+    """It lives, rides with nobody, and is in no close combat."""
+    return piece.blood > 0 and piece.carrier == NO_PIECE and not in_fight(game, piece)
+
+
+@kernel
+def order_duty(
+    style: Row, i: int, camp: int, game: Row, pieces: Rows, memory: Rows, rounds: Rows, plans: Rows, brain: Row,
+    rules: Row, cells: Rows, los: Rows, eta: Rows, atlas: Row,
+) -> None:  # fmt: skip
+    """Give a piece its plan."""
+    if pieces[i].kind == PieceType.AEROCRAFT:
+        cell = scout(style, i, camp, game, pieces, memory, brain, rules, cells, los, atlas)
+        give_plan(style, i, TaskKind.HOLD, cell, game, plans)
+    elif recovers(i, camp, game, pieces, memory, brain, rules, cells):
+        give_plan(style, i, TaskKind.RECOVER, NO_CELL, game, plans)
+    elif has_flying_round(i, rounds):
+        stay(style, i, camp, game, pieces, brain, plans)
+    elif not ride(style, i, camp, game, pieces, memory, plans, brain, rules, cells, eta, atlas.config):
+        work(style, i, camp, game, pieces, memory, plans, brain, rules, cells, los, eta, atlas)
 
 
 @kernel

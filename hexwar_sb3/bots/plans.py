@@ -16,6 +16,13 @@ def give_plan(style: Row, i: int, kind: int, cell: int, game: Row, plans: Rows) 
 
 
 @kernel
+def attack(style: Row, i: int, kind: int, target: int, game: Row, plans: Rows) -> None:
+    """Give piece i a task at an enemy."""
+    assign(plans[i], kind, target, NO_CELL, game.tick)
+    set_style(style, i, kind, plans)
+
+
+@kernel
 def board(style: Row, i: int, chariot: int, game: Row, plans: Rows) -> None:
     """Let soldier i board a chariot."""
     assign(plans[i], TaskKind.BOARD, chariot, NO_CELL, game.tick)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from hexwar_sb3.bots.config import BOT_CONFIG, STYLE
+from hexwar_sb3.bots.drawn_records import CHARACTER, SQUADS
 from hexwar_sb3.engine.records import MAX_PIECES, MAX_POINTS, MAX_SIDE
 
 BANDS = 4  # of distances from a control point
@@ -38,6 +39,9 @@ BRAIN = np.dtype(
         ("trust", "f4", (MAX_PIECES,)),  # in what is known of each enemy, 0..1, at the last thought
         ("choices", "i2", (CHOICES,)),  # cells that the piece at hand looks at as posts
         ("allotted", "i2", (MAX_PIECES,)),  # losses expected of the shots given in this step
+        ("stage", "i1", (SQUADS,)),  # of each squad's timetable
+        ("since", "i2", (SQUADS,)),  # tick at which it began
+        ("drawn", CHARACTER),  # of a player of a family
     ],
     align=True,
 )

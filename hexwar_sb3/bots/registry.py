@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from enum import IntEnum
 
 BOTS_VERSION = "1"  # goes into every result beside the hash; a change re-runs every figure that names a bot
+DRAWN_VERSION = "1"  # of the families
 
 
 class Bot(IntEnum):
@@ -19,6 +20,31 @@ class Bot(IntEnum):
     ALL_MAIN = 5
     HALF_HALF = 6
     TWO_HOLD = 7
+    DRAWN = 8
+    UNSEEN = 9
+
+
+class Duty(IntEnum):
+    """What a squad of "drawn-unseen" does in a stage of its timetable."""
+
+    TAKE = 0  # goes onto a point, and holds it
+    KEEP = 1  # the same, hidden
+    AMBUSH = 2  # hides at a firing post of a point
+    CHASE = 3  # attacks the nearest known enemy; with none known it goes onto a point
+    PICK = 4  # attacks the enemy that is worth most
+    SHADOW = 5  # follows the nearest known enemy, out of its reach
+    ESCORT = 6  # stays with the camp's first living vehicle
+    RAID = 7  # goes to where the enemy began
+    WAIT = 8  # hides where it is
+
+
+class Event(IntEnum):
+    """What ends a stage before its time."""
+
+    NOTHING = 0
+    TAKEN = 1  # its point is the camp's
+    CONTACT = 2  # an enemy came into sight after the stage began
+    LOSS = 3  # an own piece was hurt after the stage began
 
 
 @dataclass(frozen=True)
@@ -38,4 +64,13 @@ BOTS: dict[str, BotSpec] = {
     "all-main": BotSpec(Bot.ALL_MAIN, "constant plan: all to the main point, and hold"),
     "half-half": BotSpec(Bot.HALF_HALF, "constant plan: half to each of the two best points, and hold"),
     "two-hold": BotSpec(Bot.TWO_HOLD, "constant plan: one piece holds each point, the others hunt"),
+    "drawn": BotSpec(
+        Bot.DRAWN, "drawn anew for each game: posture, squads, points, times, feints; to train against"
+    ),
+    "drawn-unseen": BotSpec(Bot.UNSEEN, "drawn anew, of another construction: timetables; only to measure"),
 }
+FAMILIES = (
+    "drawn",
+    "drawn-unseen",
+)  # whose members are drawn; "drawn:7" is the seventh, the same in every game
+MOST_MEMBER = 2**32 - 1

@@ -22,6 +22,7 @@ from hexwar_sb3.maps.files import builtin_names, load_scenario
 from hexwar_sb3.rules.enums import Camp
 
 EXPLORING_SHARE = 0.4  # of the games, in which epsilon falls to its last value
+SQUAD_SHARE = 0.7  # of the games, in which the share of squad orders falls to its last value
 LOWER_SCENARIOS = (*builtin_names(), "hills@1", "hills@2", "hills@3", "hills@4", "hills@5")
 """Maps that the lower level learns on, so that it finds its way on those that it never saw."""
 LEARNED = "learned"  # `lower`: the model's own
@@ -93,6 +94,15 @@ class Train:
     exploration_final_eps: OfPreset[float] = None  # probability of a random task in the end
     # games until epsilon is at its last value; 40 % of the training, where the preset says nothing
     exploration_episodes: OfPreset[int] = None
+    squad_initial_share: OfPreset[float] = (
+        None  # share of the games in which a squad holds a spot together, at first
+    )
+    squad_final_share: OfPreset[float] = None  # and in the end
+    squad_episodes: OfPreset[int] = (
+        None  # games until then; 70 % of the training, where the preset says nothing
+    )
+    # exponent by which opponents that beat the learner are met more often; 0: all alike
+    priority: OfPreset[float] = None
     trained_agent: StartFrom = None
     device: str = "auto"  # "cpu", "cuda", or what there is
 
@@ -220,7 +230,9 @@ class Train:
     @property
     def learner(self) -> dict[str, Any]:
         """Arguments of QMIX."""
-        return {"exploration_episodes": max(1, int(EXPLORING_SHARE * self.games)), **self.chosen.learner}
+        shares = {"exploration_episodes": EXPLORING_SHARE, "squad_episodes": SQUAD_SHARE}
+        episodes = {name: max(1, int(share * self.games)) for name, share in shares.items()}
+        return {**episodes, **self.chosen.learner}
 
     @property
     def lower_learner(self) -> dict[str, Any]:

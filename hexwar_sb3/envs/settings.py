@@ -22,6 +22,8 @@ REWARDS = ("paper", "net")
 DECISIONS = ("fixed", "event")
 DTYPES = ("float32", "float16")
 
+MOST_PRIORITY = 10
+
 
 @dataclass(frozen=True, kw_only=True)
 class TaskSettings:
@@ -30,6 +32,8 @@ class TaskSettings:
     scenario: str | Path | Scenario = "plain"  # name, file or object
     side: str = "red"  # the learner's camp; "both": red in even episodes, blue in odd ones
     opponent: object = "MA1"  # a player, a list of them, or a list of (player, weight)
+    # exponent of the learner's running share of losses: who beats it is met more often; 0: weights alone
+    priority: float = 0.0
     decision_ticks: int = DECISION_TICKS  # Delta-t, ticks
     decisions: str = "fixed"  # "event": also after an own loss or an ended task
     lower: object = "heuristic"  # leads the learner's pieces: "heuristic", a policy folder, or a callable
@@ -56,6 +60,8 @@ class TaskSettings:
         check_choice("dtype", self.dtype, DTYPES)
         check_share("warm_start", self.warm_start)
         check_share("demo_share", self.demo_share)
+        if not 0.0 <= check_number("priority", self.priority) <= MOST_PRIORITY:
+            raise ConfigError(f"priority must be in 0..{MOST_PRIORITY}, got {self.priority!r}")
         check_whole("decision_ticks", self.decision_ticks, least=1)
         check_whole("spots", self.spots, least=0)
         check_flag("fog", self.fog)

@@ -22,6 +22,7 @@ from hexwar_sb3.envs.snapshots import check_games, check_opponents, check_origin
 from hexwar_sb3.errors import ConfigError, shortened
 from hexwar_sb3.kernels import Rows
 from hexwar_sb3.play.arena import Arena, Games, Setup, Snapshot
+from hexwar_sb3.play.encounters import Encounters
 from hexwar_sb3.play.fit import check_actions, check_fit
 from hexwar_sb3.play.look import Sight
 from hexwar_sb3.play.lower_policy import make_lower
@@ -70,6 +71,7 @@ class TaskGames:
         self.arena = Arena(load_world(settings.scenario), n_games, setup_of(settings))
         check_pieces(self.arena.world)
         self.mixture = fitting_mixture(settings.opponent, self.arena.world, self._rival_camps)
+        self.encounters = Encounters(len(self.mixture.players), settings.priority)
         self.all = np.arange(n_games)
         self.camps = np.zeros(n_games, np.int64)  # the learner's [n]
         self.episodes = np.full(n_games, -1)  # number of the episode in each slot [n]
@@ -99,7 +101,7 @@ class TaskGames:
             episode, self._next_episode = self._next_episode, self._next_episode + 1
             self.episodes[b] = episode
             self.camps[b] = self.camp_of(episode)
-            self.opponents[b] = self.mixture.draw(self._seed, episode)
+            self.opponents[b] = self.mixture.draw(self._seed, episode, self.encounters.urgency)
             self.rivals[b] = self.mixture.players[self.opponents[b]]
             draw = episode_draw(self._seed, episode, _DEMO_STREAM).random()
             self.demos[b] = self.demo_bot is not None and draw < self.demo_share
@@ -122,7 +124,12 @@ class TaskGames:
         Raises:
             ConfigError: one of them is for other pieces, tasks or features; those of before stay.
         """
+        before, counted = self.mixture.players, self.encounters
         self.mixture = fitting_mixture(opponent, self.arena.world, self._rival_camps)
+        self.encounters = Encounters(len(self.mixture.players), self.settings.priority)
+        for k, player in enumerate(self.mixture.players):
+            if player in before:
+                self.encounters.take(k, counted, before.index(player))
 
     def _lead(self, b: int) -> None:
         """Say who answers for the learner's pieces on their way; a demo bot leads its own."""
@@ -166,13 +173,23 @@ class TaskGames:
         illegal[learns] = self.arena.choose(learns, learns, self.camps[learns], picked[learns], self.sight)
         demo = self._show(shown)
         self._advance(self.all)
+        over = self.arena.over(self.all)
+        self._note(self.all[over & ~self.demos])
         return Span(
             reward=(self.scores() - before).astype(np.float32),
-            over=self.arena.over(self.all),
+            over=over,
             ticks=self.arena.state.games.tick - start,
             illegal=illegal,
             demo=demo,
         )
+
+    def _note(self, ended: Games) -> None:
+        """Count games of the learner's that have ended against those whom they were played with."""
+        for b, win in zip(ended, self.arena.wins(ended, self.camps[ended]), strict=True):
+            if (
+                self.rivals[b] == self.mixture.players[self.opponents[b]]
+            ):  # else another mixture came meanwhile
+                self.encounters.note(int(self.opponents[b]), float(win))
 
     def outcome(self, b: int) -> dict[str, Any]:
         """What the last info of an episode says."""
@@ -198,7 +215,8 @@ class TaskGames:
         """Everything that changes in play, as arrays without objects."""
         slots = {name: array.copy() for name, array in self._slots().items()}
         counters = np.array([self._seed, self._next_episode], np.int64)
-        return {**self.arena.snapshot(), **slots, "counters": counters, "origin": self.origin}
+        met = self.encounters.snapshot()
+        return {**self.arena.snapshot(), **slots, **met, "counters": counters, "origin": self.origin}
 
     def restore(self, snapshot: Snapshot, waiting: NDArray[np.uint32] | None = None) -> Obs:
         """Go on where `snapshot` was taken, in an env of the same settings; the observation there.
@@ -215,6 +233,7 @@ class TaskGames:
         for name, array in self._slots().items():
             array[...] = snapshot[name]
         self._seed, self._next_episode = snapshot["counters"].tolist()
+        self.encounters.restore(snapshot)
         for b in self.all:
             self.rivals[b] = self._rival(self.opponents[b], drives.seat[b, 1 - self.camps[b]])
             for camp, seat in enumerate(self._seats(int(b))):
@@ -246,6 +265,7 @@ class TaskGames:
             "drives.waiting", drives.waiting == (0 if waiting is None else waiting), drives.waiting, "none"
         )
         self._check_slots(snapshot, state, drives)
+        self.encounters.check(snapshot)
         return state, plans, drives
 
     def _check_slots(self, snapshot: Snapshot, state: State, drives: Rows) -> None:

@@ -116,6 +116,7 @@ class Arena:
             check_fit(seat, self.world, camp)
         bot = isinstance(seat, BotPlayer)
         self.drives[b].seat[camp] = seat.bot if isinstance(seat, BotPlayer) else EXTERNAL
+        self.brains["drawn"]["member"][b, camp] = seat.member if isinstance(seat, BotPlayer) else 0
         self.drives[b].wake_at[camp] = 0 if bot else NEVER
         self.drives[b].asked[camp] = self.drives[b].due[camp] = not bot
         self.players[b][camp] = None if isinstance(seat, BotPlayer) else seat

@@ -12,7 +12,7 @@ from typing import Any, Protocol, TypeAlias, cast, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
-from hexwar_sb3.bots.registry import BOTS
+from hexwar_sb3.bots.registry import BOTS, FAMILIES, MOST_MEMBER
 from hexwar_sb3.errors import ConfigError, PolicyFileError, UnknownNameError, shortened
 from hexwar_sb3.play.flat import FlatPlayer, is_flat, predicted
 from hexwar_sb3.play.frozen import FrozenPolicy
@@ -50,6 +50,7 @@ class BotPlayer:
 
     name: str
     bot: int  # its id in the drive loop
+    member: int = 0  # of a family; 0: each game's seed draws one
 
 
 @dataclass(frozen=True)
@@ -125,8 +126,9 @@ def make_player(player: object) -> Seat:
 
 
 def _named_player(name: str | Path) -> Seat:
-    if name in BOTS:
-        return BotPlayer(str(name), BOTS[str(name)].id)
+    bot, member = as_member(str(name))
+    if bot in BOTS:
+        return BotPlayer(str(name), BOTS[bot].id, member)
     folder = POLICIES.get(str(name), Path(name))
     for place in (folder / "policy", folder):
         if (place / POLICY_FILE).is_file():
@@ -135,6 +137,15 @@ def _named_player(name: str | Path) -> Seat:
         expected = "a policy folder, or a run folder with policy/ in it"
         raise PolicyFileError(folder, POLICY_FILE, found="nothing", expected=expected)
     raise UnknownNameError("player", str(name), (*BOTS, *POLICIES))
+
+
+def as_member(name: str) -> tuple[str, int]:
+    """Split the name of a family's member, "drawn:7", into family and number; any other name is its own, member 0."""
+    family, colon, number = name.rpartition(":")
+    member = number.isascii() and number.isdecimal() and 0 < int(number[:10]) <= MOST_MEMBER
+    if colon and family in FAMILIES and member and len(number) <= len(str(MOST_MEMBER)):
+        return family, int(number)
+    return name, 0
 
 
 def seat_name(seat: Seat) -> str:
@@ -157,7 +168,6 @@ class Mixture:
     players: tuple[Seat, ...]
     weights: tuple[float, ...]
     names: tuple[str | None, ...] = field(default=(), compare=False)  # under which they were given, if any
-    shares: NDArray[np.float64] = field(init=False, compare=False)
 
     def __post_init__(self) -> None:
         weights = np.asarray(self.weights, dtype=np.float64)
@@ -165,14 +175,14 @@ class Mixture:
             raise ConfigError(
                 f"opponents need finite weights >= 0 with a positive sum, got {shortened(str(self.weights))}"
             )
-        object.__setattr__(self, "shares", weights.cumsum() / weights.sum())
 
-    def draw(self, seed: int, episode: int) -> int:
-        """Index of the opponent of an episode."""
+    def draw(self, seed: int, episode: int, urgency: float | NDArray[np.float64] = 1.0) -> int:
+        """Index of the opponent of an episode; `urgency` [n] is a further factor of the weights."""
         if len(self.players) == 1:
             return 0
+        ends = (np.asarray(self.weights, np.float64) * urgency).cumsum()
         point = np.random.default_rng([seed, episode, _OPPONENT_STREAM]).random()
-        return int(np.searchsorted(self.shares, point, side="right"))
+        return int(np.searchsorted(ends / ends[-1], point, side="right"))
 
 
 def make_mixture(opponent: object) -> Mixture:

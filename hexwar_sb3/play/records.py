@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from hexwar_sb3.bots.drawn_records import SQUADS, STAGES
 from hexwar_sb3.bots.records import CHOICES
 from hexwar_sb3.bots.registry import Bot
 from hexwar_sb3.engine.fields import ANY_U4, Field, dtype_of
@@ -67,5 +68,7 @@ BRAIN_FIELDS = (
     Field("trust", "f4", 0, 1, (MAX_PIECES,)),
     Field("choices", "i2", NO_CELL, "last_cell", (CHOICES,)),
     Field("allotted", "i2", 0, "losses", (MAX_PIECES,)),
+    Field("stage", "i1", 0, STAGES - 1, (SQUADS,)),
+    Field("since", "i2", 0, "tick", (SQUADS,)),
 )
-"""What may stand in a scripted player's brain."""
+"""What may stand in a scripted player's brain; what was drawn for it must be what its seed draws."""

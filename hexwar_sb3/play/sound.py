@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from hexwar_sb3.bots.config import CONFIG
+from hexwar_sb3.bots.config import CONFIG, STYLE
+from hexwar_sb3.bots.draw import draw_player
+from hexwar_sb3.bots.drawn_records import CHARACTER
+from hexwar_sb3.bots.registry import BOTS, FAMILIES
 from hexwar_sb3.engine.codes import Code
 from hexwar_sb3.engine.fields import Bounds, check_all, check_range, check_rows, refuse
 from hexwar_sb3.engine.legality import order_code
@@ -37,6 +40,7 @@ def check_play(world: World, state: State, plans: Rows, brains: Rows, drives: Ro
     }
     _check_plans(world, state, plans, bounds)
     _check_brains(world, brains, bounds)
+    _check_drawn(state, brains, drives)
     _check_drives(world, state, drives, bounds)
     _check_orders(world, state)
 
@@ -79,6 +83,27 @@ def _check_brains(world: World, brains: Rows, bounds: Bounds) -> None:
         playable = (brain.post == NO_CELL) | (world.cells.playable[brain.post] == 1)
         thinks = (brain.thoughts[:, None] > 0) & (np.arange(brain.post.shape[1]) < n_own) & (brain.post != 0)
         check_all("brains.post", ~thinks | playable, brain.post, "a playable cell")
+
+
+def _check_drawn(state: State, brains: Rows, drives: Rows) -> None:
+    """What was drawn for a player is what its game draws again."""
+    found = brains["drawn"]
+    of_family = np.isin(drives.seat, [BOTS[name].id for name in FAMILIES])
+    check_all(
+        "brains.drawn.member",
+        of_family | (found["member"] == 0),
+        found["member"],
+        "0 but for a family's member",
+    )
+    again = np.zeros(found.shape, CHARACTER)
+    again["member"] = found["member"]
+    for b, camp in np.argwhere(of_family & (brains.thoughts > 0)).tolist():
+        draw_player(drives.seat[b, camp], camp, state.games[b], state.pieces[b], again[b, camp])
+    for name in [name for name in CHARACTER.names or () if name != "style"]:
+        check_all(f"brains.drawn.{name}", found[name] == again[name], found[name], "what the game draws")
+    for name in STYLE.names or ():
+        values, expected = found["style"][name], again["style"][name]
+        check_all(f"brains.drawn.style.{name}", values == expected, values, "what the game draws")
 
 
 def _check_drives(world: World, state: State, drives: Rows, bounds: Bounds) -> None:

@@ -67,7 +67,7 @@ def test_what_a_player_cannot_know_changes_nothing_that_it_decides(
 
 
 @pytest.mark.parametrize("scenario", builtin_names())
-@pytest.mark.parametrize("red", [*FULL, "nearest", "two-hold"])
+@pytest.mark.parametrize("red", [*FULL, "nearest", "two-hold", "drawn", "drawn-unseen"])
 def test_the_mirrored_game_is_the_mirrored_game(scenario: str, red: str, bot_games: Games) -> None:
     """Colours and the dice's salts changed over: every margin changes over too."""
     one, other = bot_games(red, "MA2", scenario, games=4), bot_games("MA2", red, scenario, games=4)

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from hexwar_sb3.bots.drawn_records import CHARACTER
 from hexwar_sb3.bots.records import BRAIN
 from hexwar_sb3.engine import records
 from hexwar_sb3.engine.fields import dtype_of
@@ -210,10 +211,36 @@ def test_a_bot_that_began_a_game_ends_it_and_a_policy_is_not_replaced_by_a_bot()
         bots.restore(of_policies)
 
 
+@pytest.mark.parametrize("opponent", ["drawn", "drawn-unseen", "drawn:7"])
+def test_what_was_drawn_for_an_opponent_is_what_its_game_draws(opponent: str) -> None:
+    env = native(TASK, opponent=opponent)
+    obs = env.reset()
+    rng = np.random.default_rng(0)
+    for _ in range(3):
+        obs, *_ = next_step(env, obs, rng)
+    env.restore(env.snapshot())
+    for path in [[name] for name in CHARACTER.names or () if name != "style"] + [["style", "hunt"]]:
+        broken = env.snapshot()
+        field = broken["brains"]["drawn"]
+        for name in path:
+            field = field[name]
+        field[0, 1] += 1
+        with pytest.raises(CheckpointError, match=r"brains\.drawn\..*expected what the game draws"):
+            env.restore(broken)
+    of_bots = native(TASK, opponent="MA2")
+    of_bots.reset()
+    broken = of_bots.snapshot()
+    broken["brains"]["drawn"]["member"][0, 1] = 7
+    with pytest.raises(CheckpointError, match=r"found 7 at .*; expected 0 but for a family's member"):
+        of_bots.restore(broken)
+
+
 def test_records_are_made_of_their_tables() -> None:
     for name, table in TABLES.items():
         record = {"games": "GAME", "pieces": "PIECE", "rounds": "ROUND", "orders": "ORDER"}.get(
             name, name.upper()
         )
         assert dtype_of(table) == getattr(records, record)
-    assert dtype_of(BRAIN_FIELDS) == BRAIN
+    drawn = ("drawn", CHARACTER)  # checked by drawing it again
+    own = [(field.name, field.type, field.shape) for field in BRAIN_FIELDS]
+    assert np.dtype([*own, drawn], align=True) == BRAIN
