@@ -1,0 +1,106 @@
+"""Who is met how often: losses weigh, nobody is forgotten, and a resumed env counts on."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from hexwar_sb3.envs.registration import make_vec_env
+from hexwar_sb3.errors import CheckpointError, ConfigError
+from hexwar_sb3.play.encounters import FLOOR, Encounters
+from hexwar_sb3.play.player import make_mixture
+
+
+def against(priority: float, opponent: Any, n_envs: int = 16) -> Any:
+    return make_vec_env(
+        "HexWarTask-v0", n_envs=n_envs, seed=0, opponent=opponent, priority=priority
+    ).unwrapped
+
+
+def play(env: Any, steps: int) -> list[int]:
+    """Let every piece stop, which loses against whoever moves; the opponents of the games that are running."""
+    env.reset()
+    met = []
+    for _ in range(steps):
+        env.step(np.zeros((env.num_envs, 7), np.int64))
+        met.append(env.games.opponents.copy())
+    return np.concatenate(met).tolist()
+
+
+def test_a_rate_is_a_running_mean_that_leaves_one_half_at_once() -> None:
+    counted = Encounters(2)
+    counted.note(0, 1.0)
+    assert counted.rates.tolist() == [0.75, 0.5]
+    for _ in range(500):
+        counted.note(0, 0.0)
+    assert counted.rates[0] < 0.01
+    assert counted.games.tolist() == [501, 0]
+
+
+def test_who_wins_is_urgent_and_who_loses_is_not_forgotten() -> None:
+    counted = Encounters(3, priority=2.0)
+    counted.rates[:] = 0.0, 0.5, 1.0
+    assert counted.urgency.tolist() == [1.0, 0.25, FLOOR]
+    assert Encounters(3).urgency.tolist() == [1.0] * 3
+
+
+def test_the_env_meets_by_losses() -> None:
+    """Whoever stands still loses to "nearest", and draws against one that stands still too."""
+    still = type("Still", (), {"act": lambda _, obs: np.zeros(obs["action_mask"].shape[:2], np.int64)})()
+    met = play(against(4.0, ["nearest", still]), 24 * 6)
+    evenly = play(against(0.0, ["nearest", still]), 24 * 6)
+    assert np.mean(met) < np.mean(evenly) - 0.15
+
+
+def test_a_mixture_draws_by_urgency() -> None:
+    mixture = make_mixture(["MA1", "MA2"])
+    assert {mixture.draw(0, k, np.array([0.0, 1.0])) for k in range(50)} == {1}
+
+
+def test_what_was_counted_stays_with_a_player_that_stays() -> None:
+    env = against(1.0, ["MA1", "nearest"])
+    play(env, 24 * 3)
+    before = env.games.encounters.snapshot()
+    env.set_opponent(["nearest", "MA2"])
+    after = env.games.encounters
+    assert after.games.tolist() == [before["met"][1], 0]
+    assert after.rates.tolist() == [before["rates"][1], 0.5]
+
+
+def test_a_restored_env_meets_the_same() -> None:
+    env, other = (against(2.0, ["MA1", "nearest", "drawn"]) for _ in range(2))
+    play(env, 24 * 3)
+    other.reset()
+    other.restore(env.snapshot())
+    for each in (env, other):
+        for _ in range(24 * 3):
+            each.step(np.zeros((16, 7), np.int64))
+    assert env.games.encounters.games.tolist() == other.games.encounters.games.tolist()
+    assert env.games.opponents.tolist() == other.games.opponents.tolist()
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("met", np.array([-1, 0])),
+        ("met", np.array([0.0, 0.0])),
+        ("met", np.zeros(3, np.int64)),
+        ("met", np.array(0)),
+        ("rates", np.array([np.nan, 0.5])),
+        ("rates", np.array([0.5, 1.5])),
+        ("rates", np.array([0.5])),
+    ],
+)
+def test_broken_counts_are_refused(name: str, value: Any) -> None:
+    env = against(1.0, ["MA1", "MA2"], n_envs=1)
+    env.reset()
+    with pytest.raises(CheckpointError, match=name):
+        env.restore({**env.snapshot(), name: value})
+
+
+@pytest.mark.parametrize("priority", [-0.1, 11, float("nan"), "1", True])
+def test_a_priority_has_its_range(priority: Any) -> None:
+    with pytest.raises(ConfigError, match="priority"):
+        against(priority, "MA1", n_envs=1)
