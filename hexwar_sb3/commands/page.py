@@ -2,17 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
 
+from hexwar_sb3.bots.registry import BOTS as BOTS_BY_NAME
 from hexwar_sb3.commands.output import as_json, games_bar, panel_table, table
 from hexwar_sb3.commands.run_folder import RunFolder, write_text
 from hexwar_sb3.evaluation.intervals import Estimate, paired_interval
 from hexwar_sb3.evaluation.panel import BOTS, CONSTANT_PLANS, Panel, Terms, play_panel
 from hexwar_sb3.evaluation.provenance import provenance
 from hexwar_sb3.league.cost import peak_mb
+from hexwar_sb3.play.player import seat_name
+
+if TYPE_CHECKING:
+    from stable_baselines3.common.vec_env import VecEnv
 
 TRAINED = "trained"  # the row that the others are compared with
+OTHERS = tuple(name for name in BOTS_BY_NAME if name not in (*BOTS, "random"))
+"""Further players that the trained one meets, most of them for the first time."""
+OTHERS_SHARE = 4  # of its games against MA1 and MA2
 
 
 def write_page(
@@ -23,6 +32,7 @@ def write_page(
     title: str,
     n_timesteps: int,
     minutes: float,
+    met: Sequence[Mapping[str, Any]] = (),
 ) -> tuple[dict[str, Any], str]:
     """Play fresh games of every player against MA1 and MA2; keep the figures, and the page; return both.
 
@@ -33,12 +43,16 @@ def write_page(
         title: what was trained on what.
         n_timesteps: env steps of the training.
         minutes: wall time of the training.
+        met: who was met in it (`met_by`).
     """
-    with games_bar(len(players) * len(BOTS) * len(terms.camps) * terms.games) as progress:
+    fewer = replace(terms, games=max(1, terms.games // OTHERS_SHARE))
+    games = len(players) * len(BOTS) * terms.games + len(OTHERS) * fewer.games
+    with games_bar(games * len(terms.camps)) as progress:
         panels = {
             name: play_panel(player, BOTS, terms, name=name, progress=progress)
             for name, player in players.items()
         }
+        others = play_panel(players[TRAINED], OTHERS, fewer, name=TRAINED, progress=progress)
     rows = [row for panel in panels.values() for row in panel.summary()]
     figures = {
         "command": (folder.path / "command.txt").read_text(encoding="utf-8").strip(),
@@ -49,12 +63,38 @@ def write_page(
         "minutes": minutes,
         "peak_mb": peak_mb(),
         "rows": rows,
+        "others": others.summary(),
+        "met": list(met),
     }
     counted = "Figures: fresh games; win rate = (won + drawn / 2) / games; 95 % intervals."
-    text = "\n\n".join([f"{title} in {minutes:.1f} minutes.\n{counted}", panel_table(rows), _gains(panels)])
+    tables = [
+        panel_table(rows),
+        _gains(panels),
+        panel_table(others.summary()),
+        *([_met_table(met)] if met else []),
+    ]
+    text = "\n\n".join([f"{title} in {minutes:.1f} minutes.\n{counted}", *tables])
     write_text(folder.path / "page.json", as_json(figures) + "\n")
     write_text(folder.page, text + "\n")
     return figures, text
+
+
+def met_by(env: VecEnv) -> list[dict[str, Any]]:
+    """Who was met in the games of a task env, how often, and how the latest of them went for the learner."""
+    games = env.get_attr("games")[0]
+    counted = games.encounters
+    names = [
+        name or seat_name(seat) for name, seat in zip(games.mixture.names, games.mixture.players, strict=True)
+    ]
+    return [
+        {"opponent": name, "games": int(n), "recent_win_rate": round(float(rate), 4)}
+        for name, n, rate in zip(names, counted.games, counted.rates, strict=True)
+    ]
+
+
+def _met_table(met: Sequence[Mapping[str, Any]]) -> str:
+    rows = [[one["opponent"], str(one["games"]), f"{100 * one['recent_win_rate']:.0f}"] for one in met]
+    return table(("met in training", "games", "recent win rate, %"), rows)
 
 
 def _gains(panels: dict[str, Panel]) -> str:

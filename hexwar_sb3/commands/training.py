@@ -21,7 +21,7 @@ from hexwar_sb3.callbacks.record import write_games
 from hexwar_sb3.callbacks.shares import shares_of
 from hexwar_sb3.callbacks.win_rate import WinRateCallback
 from hexwar_sb3.commands.output import print_json
-from hexwar_sb3.commands.page import TRAINED, write_page
+from hexwar_sb3.commands.page import TRAINED, met_by, write_page
 from hexwar_sb3.commands.run_folder import RunFolder
 from hexwar_sb3.commands.train import LEARNED
 from hexwar_sb3.engine.world import load_world
@@ -70,6 +70,7 @@ def train(settings: Train, model: QMIX, folder: RunFolder) -> int:
         title=title,
         n_timesteps=settings.n_timesteps,
         minutes=(monotonic() - start) / 60 + folder.minutes_before(),
+        met=met_by(cast("VecEnv", model.env)),
     )
     if settings.json:
         print_json({**figures, "run": str(folder.path)})
