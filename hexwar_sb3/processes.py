@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import ctypes
 import os
 import subprocess
 import sys
 import threading
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from functools import cache
 from time import sleep
 from typing import Any, NoReturn
@@ -21,6 +23,24 @@ if sys.platform == "win32":
     OWN_GROUP: dict[str, Any] = {"creationflags": subprocess.CREATE_NEW_PROCESS_GROUP}
 else:
     OWN_GROUP: dict[str, Any] = {"process_group": 0}
+
+
+_KEPT = 1 << 30  # bytes; more is taken from the system, and given back at once
+_TRIM_THRESHOLD, _MMAP_THRESHOLD = -1, -3  # of glibc's mallopt
+
+
+@cache
+def keep_memory() -> None:
+    """Let the C library keep what arrays free: else every update of a network asks the system for it again.
+
+    For a process that is ours alone, since it holds for all of it. Measured: an update is a tenth faster.
+    """
+    if not sys.platform.startswith("linux"):
+        return
+    with suppress(OSError, AttributeError):  # of another C library
+        mallopt = ctypes.CDLL(None).mallopt
+        for option in (_TRIM_THRESHOLD, _MMAP_THRESHOLD):
+            mallopt(option, _KEPT)
 
 
 def start_python(

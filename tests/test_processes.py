@@ -10,6 +10,8 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
+import pytest
+
 from hexwar_sb3.processes import ORPHANED, PARENT
 
 CHILD = """
@@ -71,3 +73,26 @@ def test_only_the_process_itself_is_told_of_its_parent() -> None:
     )
 
     assert done.stdout == "None\n"
+
+
+FAULTS = """
+import resource, sys
+import numpy as np
+from hexwar_sb3.processes import keep_memory
+if sys.argv[1] == "keep":
+    keep_memory()
+np.ones(1 << 20)
+before = resource.getrusage(resource.RUSAGE_SELF).ru_minflt
+for _ in range(50):
+    np.ones(1 << 20)
+print(resource.getrusage(resource.RUSAGE_SELF).ru_minflt - before)
+"""
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="of glibc alone")
+def test_memory_that_arrays_free_is_kept() -> None:
+    faults = {
+        how: int(subprocess.run([sys.executable, "-c", FAULTS, how], check=True, capture_output=True).stdout)
+        for how in ("keep", "give back")
+    }
+    assert faults["keep"] < faults["give back"] / 10

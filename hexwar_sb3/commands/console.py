@@ -14,7 +14,7 @@ from shutil import get_terminal_size
 from typing import Any, TextIO
 
 from hexwar_sb3.errors import ConfigError, HexWarError, UnknownNameError
-from hexwar_sb3.processes import end_with_parent
+from hexwar_sb3.processes import end_with_parent, keep_memory
 
 USER_ERROR, INTERRUPTED, BROKEN_PIPE = 2, 130, 141  # exit codes
 LEAST_COLUMNS = 40  # of help; on narrower terminals its layout does not end
@@ -38,6 +38,7 @@ def carry_out(program: str, action: Callable[[], int], stopped: str = "stopped")
         stopped: said after Ctrl-C.
     """
     end_with_parent()
+    keep_memory()
     _make_ready()
     try:
         with _quiet_threads():

@@ -14,7 +14,7 @@ from joblib import Parallel, delayed
 from tqdm import tqdm
 
 from hexwar_sb3.folders import Held, held, work_within
-from hexwar_sb3.processes import end_with
+from hexwar_sb3.processes import end_with, keep_memory
 
 Spec = TypeVar("Spec")
 Made = TypeVar("Made")
@@ -51,6 +51,7 @@ def _call(function: Callable[[Spec], Made], spec: Spec, waiting: int, folders: H
     parent = multiprocessing.parent_process()
     if parent is not None and parent.pid == waiting:
         end_with(waiting)
+        keep_memory()
         work_within(folders)
     if os.getpid() != waiting and current_thread() is main_thread():
         signal.signal(signal.SIGINT, signal.SIG_DFL)
