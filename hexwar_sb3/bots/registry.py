@@ -74,3 +74,17 @@ FAMILIES = (
     "drawn-unseen",
 )  # whose members are drawn; "drawn:7" is the seventh, the same in every game
 MOST_MEMBER = 2**32 - 1
+
+
+def as_member(name: str) -> tuple[str, int]:
+    """Split the name of a family's member, "drawn:7", into family and number; any other name is its own, member 0."""
+    family, colon, number = name.rpartition(":")
+    member = number.isascii() and number.isdecimal() and 0 < int(number[:10]) <= MOST_MEMBER
+    if colon and family in FAMILIES and member and len(number) <= len(str(MOST_MEMBER)):
+        return family, int(number)
+    return name, 0
+
+
+def is_bot(player: object) -> bool:
+    """Whether this names a scripted player, or a member of a family."""
+    return isinstance(player, str) and as_member(player)[0] in BOTS

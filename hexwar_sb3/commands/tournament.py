@@ -77,12 +77,12 @@ class Tournament:
         Raises:
             ConfigError: two policies were trained with other task sets or decision points.
         """
-        from hexwar_sb3.bots.registry import BOTS
+        from hexwar_sb3.bots.registry import is_bot
         from hexwar_sb3.evaluation.panel import Terms, trained_terms
 
         shared: dict[str, Any] = {}
         for name, player in players.items():
-            for key, value in {} if player in BOTS else trained_terms(player).items():
+            for key, value in {} if is_bot(player) else trained_terms(player).items():
                 if key in ("spots", "early") and shared.setdefault(key, value) != value:
                     raise ConfigError(
                         f"{name} was trained with {key} {value}, others with {shared[key]}: they cannot meet"

@@ -94,13 +94,11 @@ class Train:
     exploration_final_eps: OfPreset[float] = None  # probability of a random task in the end
     # games until epsilon is at its last value; 40 % of the training, where the preset says nothing
     exploration_episodes: OfPreset[int] = None
-    squad_initial_share: OfPreset[float] = (
-        None  # share of the games in which a squad holds a spot together, at first
-    )
-    squad_final_share: OfPreset[float] = None  # and in the end
-    squad_episodes: OfPreset[int] = (
-        None  # games until then; 70 % of the training, where the preset says nothing
-    )
+    # share of the games, at the start, in which a squad holds a spot together
+    squad_initial_share: OfPreset[float] = None
+    squad_final_share: OfPreset[float] = None  # share of such games in the end
+    # games until then; 70 % of the training, where the preset says nothing
+    squad_episodes: OfPreset[int] = None
     # exponent by which opponents that beat the learner are met more often; 0: all alike
     priority: OfPreset[float] = None
     trained_agent: StartFrom = None

@@ -10,7 +10,7 @@ import numpy as np
 from gymnasium import spaces
 from numpy.typing import NDArray
 
-from hexwar_sb3.bots.config import bots_hash
+from hexwar_sb3.bots.config import bots_hash, drawn_hash
 from hexwar_sb3.bots.registry import BOTS
 from hexwar_sb3.checks import check_whole
 from hexwar_sb3.engine.fields import check_all
@@ -298,8 +298,8 @@ class TaskGames:
     def origin(self) -> NDArray[np.str_]:
         """Where the games come from: rules, scenario and bots by their hashes."""
         world = self.arena.world
-        names = (f"rules {world.ruleset.hash}", f"scenario {world.scenario.hash}", f"bots {bots_hash()}")
-        return np.array(names)
+        names = ("rules", world.ruleset.hash), ("scenario", world.scenario.hash), ("bots", bots_hash())
+        return np.array([f"{name} {its}" for name, its in (*names, ("drawn", drawn_hash()))])
 
     def _slots(self) -> Snapshot:
         return {

@@ -14,7 +14,8 @@ from typing import Any, NoReturn
 
 import numpy as np
 
-from hexwar_sb3.bots.config import bots_hash
+from hexwar_sb3.bots.config import bots_hash, drawn_hash
+from hexwar_sb3.bots.registry import FAMILIES, as_member
 from hexwar_sb3.errors import FileFormatError
 from hexwar_sb3.evaluation.elo import Pairing, Ratings, elo_ratings
 from hexwar_sb3.evaluation.intervals import Estimate, wilson
@@ -254,7 +255,8 @@ def fingerprint(player: object) -> str:
     """What tells a player from others of its name: the hash of its weights, or of the bots; else its type."""
     seat = make_player(player)
     if isinstance(seat, BotPlayer):
-        return f"{seat.name} {bots_hash()}"
+        drawn = as_member(seat.name)[0] in FAMILIES
+        return f"{seat.name} {drawn_hash() if drawn else bots_hash()}"
     return seat.sha256 if isinstance(seat, FrozenPolicy) else type(seat).__name__
 
 

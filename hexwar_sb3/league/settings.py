@@ -8,7 +8,7 @@ from typing import Any
 from hexwar_sb3.algorithms.preset_file import is_plain, kinds_of
 from hexwar_sb3.algorithms.qmix import QMIX
 from hexwar_sb3.algorithms.ranges import check_settings
-from hexwar_sb3.bots.registry import BOTS
+from hexwar_sb3.bots.registry import BOTS, is_bot
 from hexwar_sb3.checks import check_whole
 from hexwar_sb3.envs.settings import check_share
 from hexwar_sb3.errors import ConfigError, UnknownNameError
@@ -103,7 +103,7 @@ class LeagueSettings:
         if not all(isinstance(name, str) for name in named):
             raise ConfigError(f"scenario and bots are names, got {self.scenario!r} and {self.bots!r}")
         for bot in self.bots:
-            if bot not in BOTS:
+            if not is_bot(bot):
                 raise UnknownNameError("bot", bot, BOTS)
         if len(set(self.bots)) < len(self.bots):
             raise ConfigError(f"each of the bots is named once, got {self.bots!r}")

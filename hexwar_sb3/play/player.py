@@ -12,7 +12,7 @@ from typing import Any, Protocol, TypeAlias, cast, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
-from hexwar_sb3.bots.registry import BOTS, FAMILIES, MOST_MEMBER
+from hexwar_sb3.bots.registry import BOTS, as_member, is_bot
 from hexwar_sb3.errors import ConfigError, PolicyFileError, UnknownNameError, shortened
 from hexwar_sb3.play.flat import FlatPlayer, is_flat, predicted
 from hexwar_sb3.play.frozen import FrozenPolicy
@@ -127,7 +127,7 @@ def make_player(player: object) -> Seat:
 
 def _named_player(name: str | Path) -> Seat:
     bot, member = as_member(str(name))
-    if bot in BOTS:
+    if is_bot(name):
         return BotPlayer(str(name), BOTS[bot].id, member)
     folder = POLICIES.get(str(name), Path(name))
     for place in (folder / "policy", folder):
@@ -137,15 +137,6 @@ def _named_player(name: str | Path) -> Seat:
         expected = "a policy folder, or a run folder with policy/ in it"
         raise PolicyFileError(folder, POLICY_FILE, found="nothing", expected=expected)
     raise UnknownNameError("player", str(name), (*BOTS, *POLICIES))
-
-
-def as_member(name: str) -> tuple[str, int]:
-    """Split the name of a family's member, "drawn:7", into family and number; any other name is its own, member 0."""
-    family, colon, number = name.rpartition(":")
-    member = number.isascii() and number.isdecimal() and 0 < int(number[:10]) <= MOST_MEMBER
-    if colon and family in FAMILIES and member and len(number) <= len(str(MOST_MEMBER)):
-        return family, int(number)
-    return name, 0
 
 
 def seat_name(seat: Seat) -> str:

@@ -71,6 +71,7 @@ TAKEN: dict[str, list[Any]] = {  # what is no mistake
     "demo_bot": [None],
     "gain_limit": [3.5],
     "alpha": [3.5],
+    "priority": [3.5],
 }
 
 
