@@ -84,7 +84,7 @@ def new_games(n_envs: int = 2, **settings: Any) -> Any:
     """Games of the task env on the small scenario."""
     from hexwar_sb3.envs.registration import make_vec_env
 
-    how = {"scenario": SCENARIO, "opponent": "MA1", "privileged_state": True, **settings}
+    how = {"scenario": SCENARIO, "opponent": "drawn", "privileged_state": True, **settings}
     return make_vec_env(n_envs=n_envs, seed=3, **how)
 
 

@@ -40,10 +40,10 @@ KINDS: dict[str, tuple[str, dict[str, Any]]] = {
     ),
     "both": (
         "HexWarTask-v0",
-        {"side": "both", "opponent": [Picker(), "MA2"], "demo_bot": "MA1", "demo_share": 0.5},
+        {"side": "both", "opponent": [Picker(), "drawn-unseen"], "demo_bot": "MA1", "demo_share": 0.5},
     ),
     "route": ("HexWarRoute-v0", {"opponent": ["MA1", Picker()], "scenario": ["plain", "paddy"], "n_envs": 4}),
-    "flat": ("HexWarFlat-v0", {"side": "both", "opponent": "MA2"}),
+    "flat": ("HexWarFlat-v0", {"side": "both", "opponent": "drawn"}),
 }
 STEPS = {"route": 60, "flat": 60}  # into the games; else so many decisions:
 DECISIONS = 13
@@ -78,22 +78,35 @@ def ends_of(dtype: np.dtype[Any]) -> list[Any]:
     return [False, True] if dtype.kind == "b" else []
 
 
+def leaves(dtype: np.dtype[Any]) -> list[tuple[str, ...]]:
+    """Names that lead to each field of a record, of records within it too."""
+    if dtype.names is None:
+        return [()]
+    return [(name, *path) for name in dtype.names for path in leaves(dtype[name].base)]
+
+
+def at(array: NDArray[Any], path: tuple[str, ...]) -> NDArray[Any]:
+    for name in path:
+        array = array[name]
+    return array
+
+
 def broken(snapshot: Snapshot, rng: np.random.Generator) -> Iterator[tuple[str, Snapshot]]:
     """Snapshots with one thing changed, and what it is."""
     for name, array in snapshot.items():
-        for field in array.dtype.names or [None]:
-            plain = array[field] if field else array
+        for path in leaves(array.dtype):
+            plain = at(array, path)
             for value in ends_of(plain.dtype):
                 for everywhere in (False, True):
                     if not plain.size:
                         continue  # a log of no events
                     changed = array.copy()
                     where = ... if everywhere else tuple(rng.integers(0, n) for n in plain.shape)
-                    (changed[field] if field else changed)[where] = value
+                    at(changed, path)[where] = value
                     if same(changed, array):
                         continue
                     yield (
-                        f"{name}.{field} = {value}{'' if everywhere else ' once'}",
+                        f"{'.'.join([name, *path])} = {value}{'' if everywhere else ' once'}",
                         {**snapshot, name: changed},
                     )
         yield f"{name} missing", {key: value for key, value in snapshot.items() if key != name}
