@@ -15,6 +15,7 @@ from hexwar_sb3.commands.distill import Distill
 from hexwar_sb3.commands.doctor import Doctor
 from hexwar_sb3.commands.evaluate import Evaluate, Match
 from hexwar_sb3.commands.experiments import Experiments
+from hexwar_sb3.commands.exploit import Exploit
 from hexwar_sb3.commands.hotspots import Hotspots
 from hexwar_sb3.commands.maps import Maps
 from hexwar_sb3.commands.selfplay import SelfPlay
@@ -31,6 +32,7 @@ COMMANDS: dict[str, Callable[..., Any]] = {
     "tournament": Tournament,
     "selfplay": SelfPlay,
     "distill": Distill,
+    "exploit": Exploit,
     "tune": Tune,
     "watch": Watch,
     "maps": Maps,
