@@ -25,7 +25,6 @@ from hexwar_sb3.play.frozen import FrozenPolicy
 
 FORCE = 134  # points that the pieces of a camp are worth: a margin of it counts as 1
 LOWER_TICKS = 7_500_000  # game ticks that the lower level's schedules are made for
-EXPLORING_SHARE = 0.4  # of the games, in which epsilon falls to its last value
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -140,7 +139,6 @@ def new_model(preset: Preset, common: Common) -> HierarchicalQMIX:
         name: max(1, int(LOWER_DEFAULTS[name] * shorter))
         for name in ("learning_rate_steps", "exploration_steps")
     }
-    exploring = {"exploration_episodes": max(1, int(EXPLORING_SHARE * common.games))}
     return HierarchicalQMIX(
         "HierarchicalPolicy",
         env,
@@ -151,7 +149,7 @@ def new_model(preset: Preset, common: Common) -> HierarchicalQMIX:
         tie=preset.tie,
         route_kwargs={"scenario": [common.scenario], **preset.route},
         lower_kwargs={**schedules, **preset.lower_learner},
-        **{**exploring, **preset.learner},
+        **preset.learner_for(common.games),
     )
 
 

@@ -16,6 +16,8 @@ LEARNER = (
     *("squad_initial_share", "squad_final_share", "squad_episodes"),
 )
 """Settings that are arguments of QMIX."""
+FALLS = {"exploration_episodes": 0.4, "squad_episodes": 0.7}
+"""Arguments of QMIX that are numbers of games: their share of a training, where the preset says nothing."""
 WIDTHS = ("hidden", "embed")  # of its networks
 PARTS = {
     **{name: ("env", name) for name in ("reward", "decisions", "spots", "priority")},
@@ -67,6 +69,10 @@ class Preset:
             else:
                 new[name] = value
         return replace(self, **new)
+
+    def learner_for(self, games: int) -> Settings:
+        """Arguments of QMIX for a training of so many games."""
+        return {**{name: max(1, int(share * games)) for name, share in FALLS.items()}, **self.learner}
 
     def lower_ticks(self, upper_ticks: int) -> int:
         """Game ticks of the lower level in a training with so many of the upper one."""

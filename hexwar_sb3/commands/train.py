@@ -21,8 +21,6 @@ from hexwar_sb3.kinds import read_fields
 from hexwar_sb3.maps.files import builtin_names, load_scenario
 from hexwar_sb3.rules.enums import Camp
 
-EXPLORING_SHARE = 0.4  # of the games, in which epsilon falls to its last value
-SQUAD_SHARE = 0.7  # of the games, in which the share of squad orders falls to its last value
 LOWER_SCENARIOS = (*builtin_names(), "hills@1", "hills@2", "hills@3", "hills@4", "hills@5")
 """Maps that the lower level learns on, so that it finds its way on those that it never saw."""
 LEARNED = "learned"  # `lower`: the model's own
@@ -228,9 +226,7 @@ class Train:
     @property
     def learner(self) -> dict[str, Any]:
         """Arguments of QMIX."""
-        shares = {"exploration_episodes": EXPLORING_SHARE, "squad_episodes": SQUAD_SHARE}
-        episodes = {name: max(1, int(share * self.games)) for name, share in shares.items()}
-        return {**episodes, **self.chosen.learner}
+        return self.chosen.learner_for(self.games)
 
     @property
     def lower_learner(self) -> dict[str, Any]:

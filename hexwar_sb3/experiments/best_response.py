@@ -32,13 +32,7 @@ from hexwar_sb3.files import replacing
 from hexwar_sb3.kinds import fits, read_fields
 from hexwar_sb3.reading import read_json
 
-LEARNER: dict[str, Any] = {
-    **PRESETS["default"].learner,
-    "squad_initial_share": 0.3,
-    "squad_final_share": 0.03,
-}
-"""Arguments of QMIX for a response: the default's, and squad orders."""
-EXPLORING_SHARE, SQUAD_SHARE = 0.4, 0.7  # of its games, in which epsilon and squad orders fall
+SQUADS = {"squad_initial_share": 0.3, "squad_final_share": 0.03}  # beside the default preset
 HALF = 0.5  # win rate from which a response is said to have the better of the player
 
 
@@ -113,7 +107,7 @@ def respond(spec: tuple[Response, Path]) -> None:
 
 def train_response(response: Response) -> list[dict[str, Any]]:
     """Train a response; its figures against the player at every evaluation."""
-    terms, preset = response.terms, PRESETS["default"]
+    terms, preset = response.terms, PRESETS["default"].changed(SQUADS)
     env = make_vec_env(
         "HexWarTask-v0",
         n_envs=preset.n_envs,
@@ -128,11 +122,8 @@ def train_response(response: Response) -> list[dict[str, Any]]:
         privileged_state=True,
         **preset.env,
     )
-    falls: dict[str, Any] = {
-        "exploration_episodes": max(1, int(EXPLORING_SHARE * response.games)),
-        "squad_episodes": max(1, int(SQUAD_SHARE * response.games)),
-    }
-    model = QMIX("TaskPolicy", env, seed=response.seed, **LEARNER, **falls)
+    learner = preset.learner_for(response.games)
+    model = QMIX("TaskPolicy", env, seed=response.seed, **learner)
     decisions = load_world(response.scenario).scenario.game_ticks // terms.decision_ticks
     watch = Watch(response.every * decisions, decisions, response.camp, response.player, terms)
     model.learn(response.games * decisions, callback=[*shares_of(preset, response.games), watch])
