@@ -174,7 +174,8 @@ class TaskGames:
         demo = self._show(shown)
         self._advance(self.all)
         over = self.arena.over(self.all)
-        self._note(self.all[over & ~self.demos])
+        if over.any():
+            self._note(self.all[over & ~self.demos])
         return Span(
             reward=(self.scores() - before).astype(np.float32),
             over=over,
