@@ -16,6 +16,7 @@ from hexwar_sb3.envs.settings import TaskSettings, check_choice, task_settings
 from hexwar_sb3.envs.task_games import Obs, box_of, check_pieces, fitting_mixture, setup_of
 from hexwar_sb3.errors import ConfigError, UnknownNameError
 from hexwar_sb3.play.arena import Arena
+from hexwar_sb3.play.encounters import Encounters
 from hexwar_sb3.play.fit import check_actions
 from hexwar_sb3.play.look import Sight
 from hexwar_sb3.play.player import Seat
@@ -48,6 +49,8 @@ class TaskParallelEnv(ParallelEnv[str, Obs, int]):  # type: ignore[misc]  # Pett
         check_pieces(world)
         rivals = [camp for camp in SIDES if camp not in self.camps]
         self.mixture = fitting_mixture(settings.opponent, world, rivals)
+        self.encounters = Encounters(len(self.mixture.players), settings.priority)
+        self._opponent = 0  # of this game, its place in the mixture
         self.arena, self._net = Arena(world, 1, setup_of(settings)), settings.reward == "net"
         self.sights = {
             camp: Sight(world, camp, 1, dtype=settings.dtype, with_state=True) for camp in self.camps
@@ -102,6 +105,9 @@ class TaskParallelEnv(ParallelEnv[str, Obs, int]):  # type: ignore[misc]  # Pett
         self._look()
         gain = {camp: after - before[camp] for camp, after in self._scores().items()}
         over = bool(self.arena.state.games.over[0])
+        if over and len(self.camps) == 1:
+            win = self.arena.wins(np.zeros(1, np.int64), np.array(self.camps, np.int64))
+            self.encounters.note(self._opponent, float(win[0]))
         ticks = int(self.arena.state.games.tick[0]) - tick
         acted = self.agents
         ended = {agent: over or not self._is_alive(agent) for agent in acted}
@@ -125,7 +131,8 @@ class TaskParallelEnv(ParallelEnv[str, Obs, int]):  # type: ignore[misc]  # Pett
         """Nothing to release."""
 
     def _seats(self) -> tuple[Seat | None, Seat | None]:
-        other = self.mixture.players[self.mixture.draw(self._seed, self._episode)]
+        self._opponent = self.mixture.draw(self._seed, self._episode, self.encounters.urgency)
+        other = self.mixture.players[self._opponent]
         red, blue = (None if camp in self.camps else other for camp in SIDES)
         return red, blue
 

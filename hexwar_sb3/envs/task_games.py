@@ -26,7 +26,15 @@ from hexwar_sb3.play.encounters import Encounters
 from hexwar_sb3.play.fit import check_actions, check_fit
 from hexwar_sb3.play.look import Sight
 from hexwar_sb3.play.lower_policy import make_lower
-from hexwar_sb3.play.player import BotPlayer, Mixture, Seat, make_mixture, make_player
+from hexwar_sb3.play.player import (
+    BotPlayer,
+    Mixture,
+    Seat,
+    bot_player,
+    make_mixture,
+    make_player,
+    same_player,
+)
 from hexwar_sb3.play.records import EXTERNAL
 from hexwar_sb3.play.seeds import chosen_seed, episode_draw, game_seed
 from hexwar_sb3.play.warm import WARM_TICKS, send_out
@@ -128,8 +136,9 @@ class TaskGames:
         self.mixture = fitting_mixture(opponent, self.arena.world, self._rival_camps)
         self.encounters = Encounters(len(self.mixture.players), self.settings.priority)
         for k, player in enumerate(self.mixture.players):
-            if player in before:
-                self.encounters.take(k, counted, before.index(player))
+            known = [n for n, other in enumerate(before) if same_player(player, other)]
+            if known:
+                self.encounters.take(k, counted, known[0])
 
     def _lead(self, b: int) -> None:
         """Say who answers for the learner's pieces on their way; a demo bot leads its own."""
@@ -187,9 +196,8 @@ class TaskGames:
     def _note(self, ended: Games) -> None:
         """Count games of the learner's that have ended against those whom they were played with."""
         for b, win in zip(ended, self.arena.wins(ended, self.camps[ended]), strict=True):
-            if (
-                self.rivals[b] == self.mixture.players[self.opponents[b]]
-            ):  # else another mixture came meanwhile
+            met = self.mixture.players[self.opponents[b]]
+            if same_player(self.rivals[b], met):  # else another mixture came meanwhile
                 self.encounters.note(int(self.opponents[b]), float(win))
 
     def outcome(self, b: int) -> dict[str, Any]:
@@ -236,7 +244,7 @@ class TaskGames:
         self._seed, self._next_episode = snapshot["counters"].tolist()
         self.encounters.restore(snapshot)
         for b in self.all:
-            self.rivals[b] = self._rival(self.opponents[b], drives.seat[b, 1 - self.camps[b]])
+            self.rivals[b] = self._rival(int(b), snapshot, drives)
             for camp, seat in enumerate(self._seats(int(b))):
                 self.arena.sit(int(b), camp, seat)
             self._lead(int(b))
@@ -277,17 +285,19 @@ class TaskGames:
         check_opponents(snapshot["opponents"], len(self.mixture.players))
         check_seats(snapshot, drives, self.demo_bot, keeps_answers=self.keeps_answers)
         for b in self.all:
-            self._rival(snapshot["opponents"][b], drives.seat[b, 1 - camps[b]])
+            self._rival(int(b), snapshot, drives)
 
-    def _rival(self, opponent: int, seat: int) -> Seat:
+    def _rival(self, b: int, snapshot: Snapshot, drives: Rows) -> Seat:
         """Who plays on against the learner: a bot that began a game ends it, whatever the mixture has now.
 
         Raises:
             ConfigError: a policy began it, and a bot has its place now.
         """
-        player = self.mixture.players[opponent]
+        opponent, camp = snapshot["opponents"][b], 1 - snapshot["camps"][b]
+        player, seat = self.mixture.players[opponent], drives.seat[b, camp]
         if seat != EXTERNAL:
-            return next(BotPlayer(name, spec.id) for name, spec in BOTS.items() if spec.id == seat)
+            bot = next(name for name, spec in BOTS.items() if spec.id == seat)
+            return bot_player(bot, int(snapshot["brains"]["drawn"]["member"][b, camp]))
         if isinstance(player, BotPlayer):
             raise ConfigError(
                 f"these games were saved with a policy as opponent {opponent}, this env has {player.name}:"

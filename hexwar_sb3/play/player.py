@@ -125,10 +125,15 @@ def make_player(player: object) -> Seat:
     raise ConfigError(f"a player is a name, a folder, or has act() or predict(); got {player!r}")
 
 
+def bot_player(bot: str, member: int = 0) -> BotPlayer:
+    """The scripted player of a name; of a family one member, or (0) another in each game."""
+    return BotPlayer(f"{bot}:{member}" if member else bot, BOTS[bot].id, member)
+
+
 def _named_player(name: str | Path) -> Seat:
     bot, member = as_member(str(name))
     if is_bot(name):
-        return BotPlayer(str(name), BOTS[bot].id, member)
+        return bot_player(bot, member)
     folder = POLICIES.get(str(name), Path(name))
     for place in (folder / "policy", folder):
         if (place / POLICY_FILE).is_file():
@@ -145,6 +150,13 @@ def seat_name(seat: Seat) -> str:
         return seat.name
     inner = seat.model if isinstance(seat, ModelPlayer | FlatPlayer) else getattr(seat, "actor", seat)
     return type(inner).__name__
+
+
+def same_player(one: Seat, other: Seat) -> bool:
+    """Whether two seats hold the same player: a policy that was loaded twice is one."""
+    if isinstance(one, FrozenPolicy) and isinstance(other, FrozenPolicy):
+        return one is other or one.sha256 == other.sha256
+    return one is other or bool(one == other)
 
 
 def given_name(player: object) -> str | None:

@@ -7,10 +7,11 @@ from typing import Any
 import numpy as np
 import pytest
 
+from hexwar_sb3.envs.parallel import parallel_env
 from hexwar_sb3.envs.registration import make_vec_env
 from hexwar_sb3.errors import CheckpointError, ConfigError
 from hexwar_sb3.play.encounters import FLOOR, Encounters
-from hexwar_sb3.play.player import make_mixture
+from hexwar_sb3.play.player import make_mixture, seat_name
 
 
 def against(priority: float, opponent: Any, n_envs: int = 16) -> Any:
@@ -69,15 +70,21 @@ def test_what_was_counted_stays_with_a_player_that_stays() -> None:
     assert after.rates.tolist() == [before["rates"][1], 0.5]
 
 
-def test_a_restored_env_meets_the_same() -> None:
-    env, other = (against(2.0, ["MA1", "nearest", "drawn"]) for _ in range(2))
-    play(env, 24 * 3)
+@pytest.mark.parametrize("opponent", [["MA1", "nearest", "drawn"], ["drawn:7", "drawn:8", "HRL0"]])
+def test_a_restored_env_meets_the_same(opponent: list[str]) -> None:
+    """In the middle of its games; a policy was loaded twice there, and is the same all the same."""
+    env, other = (against(2.0, opponent) for _ in range(2))
+    play(env, 24 * 2 + 11)
     other.reset()
     other.restore(env.snapshot())
     for each in (env, other):
         for _ in range(24 * 3):
             each.step(np.zeros((16, 7), np.int64))
+        each.set_opponent(opponent)
+    assert env.games.encounters.games.sum() > 16 * 3
     assert env.games.encounters.games.tolist() == other.games.encounters.games.tolist()
+    assert env.games.encounters.rates.tolist() == other.games.encounters.rates.tolist()
+    assert [seat_name(seat) for seat in env.games.rivals] == [seat_name(seat) for seat in other.games.rivals]
     assert env.games.opponents.tolist() == other.games.opponents.tolist()
 
 
@@ -98,6 +105,20 @@ def test_broken_counts_are_refused(name: str, value: Any) -> None:
     env.reset()
     with pytest.raises(CheckpointError, match=name):
         env.restore({**env.snapshot(), name: value})
+
+
+def test_the_parallel_env_meets_by_losses_too() -> None:
+    env = parallel_env("plain", camps="red", opponent=["nearest", "drawn:7"], priority=10.0)
+    env.reset(seed=0)
+    env.encounters.rates[:] = 0.0, 1.0  # whoever beats it comes nearly always
+    met = []
+    for _ in range(20):
+        env.reset()
+        met.append(env._opponent)
+    assert met.count(0) > 12
+    while env.agents:
+        env.step({})
+    assert env.encounters.games.sum() == 1
 
 
 @pytest.mark.parametrize("priority", [-0.1, 11, float("nan"), "1", True])
