@@ -5,15 +5,14 @@ from __future__ import annotations
 import numpy as np
 
 from hexwar_sb3.bots.drawn_records import SQUADS, STAGES
-from hexwar_sb3.bots.registry import Bot, Duty, Event
+from hexwar_sb3.bots.records import BANDS, POSTS
+from hexwar_sb3.bots.registry import Bot, Duty, Event, Pilot
 from hexwar_sb3.engine.dice import splitmix64
 from hexwar_sb3.kernels import Row, Rows, kernel
 from hexwar_sb3.rules.enums import PieceType
 from hexwar_sb3.tasks.known import end_piece, first_piece
 
-PILOTS = 3  # ways of an aerocraft of "drawn"
-LAST_DUTY, LAST_EVENT = len(Duty) - 1, len(Event) - 1
-BANDS, POSTS = 4, 12  # of the atlas
+LAST_DUTY, LAST_EVENT, LAST_PILOT = max(Duty).value, max(Event).value, max(Pilot).value
 _S11, _UNIT = np.uint64(11), 2.0**-53
 _STYLE, _PLAN, _SQUAD, _STAGE, _SLOT = 0, 100, 200, 300, 400  # places of the numbers
 
@@ -124,7 +123,7 @@ def draw_plan(key: np.uint64, game: Row, drawn: Row) -> None:
     drawn.staged = one_in(0.5, key, _PLAN + 50)
     drawn.stubborn = one_in(0.3, key, _PLAN + 51)
     drawn.dealt = one_in(0.4, key, _PLAN + 52)
-    drawn.pilot = whole(0, PILOTS - 1, key, _PLAN + 53)
+    drawn.pilot = whole(0, LAST_PILOT, key, _PLAN + 53)
     drawn.rush = whole(end // 2, end, key, _PLAN + 54)
     drawn.reckless = one_in(0.3, key, _PLAN + 55)
     drawn.retreat_blood = one_in(0.4, key, _PLAN + 56) * whole(1, 3, key, _PLAN + 57)

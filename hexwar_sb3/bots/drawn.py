@@ -5,6 +5,8 @@ from __future__ import annotations
 from hexwar_sb3.bots.duties import best_prey, order_duty, takes_orders
 from hexwar_sb3.bots.plans import attack, give_plan
 from hexwar_sb3.bots.points import choose_people, first_points, move_idle
+from hexwar_sb3.bots.records import BANDS
+from hexwar_sb3.bots.registry import Pilot
 from hexwar_sb3.bots.scout import air_prey
 from hexwar_sb3.bots.weigh import known_lead, renew_trust, threat_at
 from hexwar_sb3.engine.records import NO_CELL, NO_PIECE
@@ -13,8 +15,7 @@ from hexwar_sb3.rules.enums import PieceType
 from hexwar_sb3.tasks.known import end_piece, first_piece
 from hexwar_sb3.tasks.records import TaskKind
 
-SCOUT, HUNTER, PICKET = range(3)  # what the aerocraft is
-FAR_BAND = 3  # of the atlas's posts: where those wait who set out later
+FAR_BAND = BANDS - 1  # of the atlas's posts: where those wait who set out later
 
 
 @kernel
@@ -103,12 +104,12 @@ def flies_own_way(
 ) -> bool:  # fmt: skip
     """Let the aerocraft attack, or stay above its point; False: it scouts."""
     drawn = brain.drawn
-    if drawn.pilot == HUNTER:
+    if drawn.pilot == Pilot.HUNTER:
         prey = air_prey(i, camp, game, pieces, memory, brain, rules, cells, atlas)
         if prey != NO_PIECE:
             attack(drawn.style, i, TaskKind.ATTACK, prey, game, plans)
             return True
-    elif drawn.pilot == PICKET and game.n_points > 0:
+    elif drawn.pilot == Pilot.PICKET and game.n_points > 0:
         point = int(game.point_cell[brain.point[i - first_piece(camp, game)]])
         give_plan(drawn.style, i, TaskKind.HOLD, point, game, plans)
         return True

@@ -25,7 +25,7 @@ CHARACTER = np.dtype(
         ("staged", "u1"),  # 1: who waits does so at a far post of its point, 0: where it stands
         ("stubborn", "u1"),  # 1: nobody leaves a safe point for another
         ("dealt", "u1"),  # 1: pieces are dealt to points as MA1 deals them, 0: by squads
-        ("pilot", "u1"),  # of the aerocraft: scouts, attacks, or stays above its point
+        ("pilot", "u1"),  # Pilot: what the aerocraft is
         ("rush", "i2"),  # tick from which it rushes the points
         ("reckless", "u1"),  # 1: it rushes whoever leads
         ("retreat_blood", "i1"),  # pieces with so little blood left, or less, withdraw

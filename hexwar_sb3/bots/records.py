@@ -39,7 +39,7 @@ BRAIN = np.dtype(
         ("trust", "f4", (MAX_PIECES,)),  # in what is known of each enemy, 0..1, at the last thought
         ("choices", "i2", (CHOICES,)),  # cells that the piece at hand looks at as posts
         ("allotted", "i2", (MAX_PIECES,)),  # losses expected of the shots given in this step
-        ("stage", "i1", (SQUADS,)),  # of each squad's timetable
+        ("stage", "i1", (SQUADS,)),  # of each squad's timetable; of "drawn" 1 once its feint is over
         ("since", "i2", (SQUADS,)),  # tick at which it began
         ("drawn", CHARACTER),  # of a player of a family
     ],

@@ -38,6 +38,14 @@ class Duty(IntEnum):
     WAIT = 8  # hides where it is
 
 
+class Pilot(IntEnum):
+    """What the aerocraft of a member of "drawn" is."""
+
+    SCOUT = 0  # as MA1's and MA2's
+    HUNTER = 1  # attacks what is worth most for the way to it
+    PICKET = 2  # stays above its point
+
+
 class Event(IntEnum):
     """What ends a stage before its time."""
 
@@ -69,10 +77,8 @@ BOTS: dict[str, BotSpec] = {
     ),
     "drawn-unseen": BotSpec(Bot.UNSEEN, "drawn anew, of another construction: timetables; only to measure"),
 }
-FAMILIES = (
-    "drawn",
-    "drawn-unseen",
-)  # whose members are drawn; "drawn:7" is the seventh, the same in every game
+FAMILIES = ("drawn", "drawn-unseen")
+"""Players of which each game draws a member; "drawn:7" is the seventh, the same in every game."""
 MOST_MEMBER = 2**32 - 1
 
 

@@ -34,7 +34,9 @@ def write_page(
     minutes: float,
     met: Sequence[Mapping[str, Any]] = (),
 ) -> tuple[dict[str, Any], str]:
-    """Play fresh games of every player against MA1 and MA2; keep the figures, and the page; return both.
+    """Play fresh games of every player against MA1 and MA2, and of the trained one against others.
+
+    Figures and page are kept, and returned.
 
     Args:
         folder: of the run.

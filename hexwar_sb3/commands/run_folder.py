@@ -99,10 +99,8 @@ class RunFolder:
 
 def _seconds(log: Path) -> float:
     try:
-        rows = read_rows(log)
-        found = [
-            number_in(row, ELAPSED, log) for row in rows if ELAPSED in row
-        ]  # none before the first games end
+        # Before its first games end, a part has no times.
+        found = [number_in(row, ELAPSED, log) for row in read_rows(log) if ELAPSED in row]
     except FileFormatError as error:
         warnings.warn(f"{error}; the time it tells of is not counted", stacklevel=3)
         return 0.0

@@ -21,7 +21,6 @@ SIDES = ("red", "blue", "both")
 REWARDS = ("paper", "net")
 DECISIONS = ("fixed", "event")
 DTYPES = ("float32", "float16")
-
 MOST_PRIORITY = 10
 
 

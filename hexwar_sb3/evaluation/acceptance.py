@@ -49,11 +49,7 @@ class Accept:
         failures = [f"{name}: {failure}" for name, found in maps.items() for failure in found["failures"]]
         figures = {"games": self.games, "seed": self.seed, "failures": failures, "maps": maps}
         text = json.dumps(figures, indent=1) + "\n"
-        if self.out is None:
-            sys.stdout.write(text)
-        else:
-            with replacing(self.out) as temporary:
-                temporary.write_text(text, encoding="utf-8")
+        put_out(text, self.out)
         return 1 if failures else 0
 
     def accept(self, scenario: str) -> dict[str, Any]:
@@ -79,6 +75,15 @@ class Accept:
             "used": shares,
             "rows": rows,
         }
+
+
+def put_out(text: str, path: Path | None) -> None:
+    """Write a text to a file, whole or not at all; without one, print it."""
+    if path is None:
+        sys.stdout.write(text)
+        return
+    with replacing(path) as temporary:
+        temporary.write_text(text, encoding="utf-8")
 
 
 def pairings() -> Iterator[tuple[str, str]]:

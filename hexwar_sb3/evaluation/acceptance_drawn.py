@@ -17,9 +17,9 @@ import tyro
 
 from hexwar_sb3.bots.config import drawn_hash
 from hexwar_sb3.bots.registry import DRAWN_VERSION, FAMILIES
+from hexwar_sb3.evaluation.acceptance import FIRST_GAMES, LEAST_USED, put_out
 from hexwar_sb3.evaluation.provenance import provenance
 from hexwar_sb3.evaluation.seeds import Purpose, seed_for
-from hexwar_sb3.files import replacing
 from hexwar_sb3.maps.files import builtin_names
 from hexwar_sb3.play.match import play_games
 from hexwar_sb3.rules.enums import Action
@@ -27,8 +27,6 @@ from hexwar_sb3.rules.enums import Action
 REAL = 0.30  # win rate against "nearest" from which a member is a real opponent
 LEAST_REAL = 0.25  # of the members of a family
 LEAST_RANDOM = 0.95  # win rate of a family against random orders
-LEAST_USED = 0.01  # of a family's games in which it uses an action
-FIRST_GAMES = 10  # whose margins are kept, to see later that the families are still the same
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -60,11 +58,7 @@ class AcceptDrawn:
             "families": f"{DRAWN_VERSION} {drawn_hash()}",
         }
         text = json.dumps({**head, "failures": failures, "maps": maps}, indent=1) + "\n"
-        if self.out is None:
-            sys.stdout.write(text)
-        else:
-            with replacing(self.out) as temporary:
-                temporary.write_text(text, encoding="utf-8")
+        put_out(text, self.out)
         return 1 if failures else 0
 
     def accept(self, family: str, scenario: str) -> dict[str, Any]:

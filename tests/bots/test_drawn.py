@@ -17,7 +17,8 @@ from hexwar_sb3.bots.registry import BOTS, DRAWN_VERSION, FAMILIES, MOST_MEMBER
 from hexwar_sb3.engine.state import new_state, seed_game
 from hexwar_sb3.engine.world import load_world
 from hexwar_sb3.errors import UnknownNameError
-from hexwar_sb3.evaluation.acceptance_drawn import FIRST_GAMES, AcceptDrawn, failures_of
+from hexwar_sb3.evaluation.acceptance import FIRST_GAMES
+from hexwar_sb3.evaluation.acceptance_drawn import AcceptDrawn, failures_of
 from hexwar_sb3.evaluation.seeds import Purpose, seed_for
 from hexwar_sb3.maps.files import builtin_names, load_scenario
 from hexwar_sb3.play.match import play_games

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import pytest
 
@@ -14,6 +14,8 @@ from hexwar_sb3.commands.exploit import Exploit, in_words
 from hexwar_sb3.errors import ConfigError, FileFormatError, HexWarError
 from hexwar_sb3.experiments import best_response
 from hexwar_sb3.experiments.best_response import Response, games_until_half, read_figures, responses, summary
+from hexwar_sb3.play.frozen import FrozenPolicy
+from hexwar_sb3.play.player import make_player
 
 SMALL: dict[str, Any] = {"games": 40, "every": 20, "eval_games": 2}
 
@@ -93,6 +95,18 @@ def test_the_command_leaves_table_and_picture(tmp_path: Path, capsys: pytest.Cap
         "exploit.png",
         "red_0.json",
     }
+
+
+@pytest.mark.parametrize(("side", "camps"), [("red", {"blue"}), ("blue", {"red"}), ("both", {"red", "blue"})])
+def test_responses_play_against_the_camp_that_a_policy_was_trained_for(
+    side: str, camps: set[str], tmp_path: Path
+) -> None:
+    policy = cast("FrozenPolicy", make_player("HRL0"))
+    policy.about["side"] = side
+    policy.save(tmp_path / "policy")
+    found = Exploit(player=str(tmp_path / "policy"), seeds=2)._responses()
+    assert {response.camp for response in found} == camps
+    assert len(found) == 2 * len(camps)
 
 
 def test_a_table_says_who_never_won_half() -> None:
