@@ -22,6 +22,8 @@ $(STAMP): setup.cfg pyproject.toml constraints.txt
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e ".[dev]"
 	touch $@
 
+# A training alone takes two cores.
+train: export OMP_NUM_THREADS = 2
 train: setup
 	$(BIN)/hexwar train --progress
 

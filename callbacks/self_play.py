@@ -15,25 +15,25 @@ from hexwar_sb3.checks import check_whole
 from hexwar_sb3.envs.settings import check_share
 from hexwar_sb3.errors import ConfigError
 from hexwar_sb3.play.frozen import FrozenPolicy
-from hexwar_sb3.play.player import ModelPlayer, Player
+from hexwar_sb3.play.player import ModelPlayer, Player, with_weight
 
 
 class SelfPlayCallback(EverySteps):
     """Adds a frozen copy of the learner to the pool every so many env steps.
 
     For any model whose env has `set_opponent`, the task env or a wrapper of it: QMIX, HierarchicalQMIX,
-    sb3-contrib's MaskablePPO. Opponents of games that run stay as they are.
+    sb3-contrib's MaskablePPO. Opponents of games that run stay as they are. The env's `priority` lets it meet
+    those copies more often that beat it, and the others likewise (`Encounters`).
 
     Args:
         every: env steps between two copies.
         pool_size: copies that are played against: the first one, so that the start is not forgotten, and the latest.
-        latest_share: of the games, against the latest copy; the others share the rest.
-        bots: further opponents, by name.
-        bots_share: of the games, against them.
+        others: further opponents, as the env takes them: players, or (player, weight).
+        share: of the weights, for the copies; without others they have all of it.
         folder: keeps the pool of a QMIX, so that a resumed training goes on with it; None keeps none.
 
     Example:
-        >>> model.learn(240_000, callback=SelfPlayCallback(every=24_000, bots=["MA1", "MA2"], bots_share=0.5))
+        >>> model.learn(240_000, callback=SelfPlayCallback(every=24_000, others=["MA1", "MA2"], share=0.5))
 
         From a checkpoint, with the games that were running:
 
@@ -48,18 +48,17 @@ class SelfPlayCallback(EverySteps):
         every: int,
         *,
         pool_size: int = 10,
-        latest_share: float = 0.5,
-        bots: Sequence[str] = (),
-        bots_share: float = 0.0,
+        others: Sequence[object] = (),
+        share: float = 0.5,
         folder: Path | None = None,
     ) -> None:
         super().__init__(every)
         self.pool_size = check_whole("pool_size", pool_size, least=1)
-        self.bots, self.folder = list(bots), folder
-        self.latest_share = check_share("latest_share", latest_share)
-        self.bots_share = check_share("bots_share", bots_share)
-        if bots_share > 0 and not bots:
-            raise ConfigError("bots_share needs bots, for example bots=['MA1']")
+        self.others = [with_weight(one) for one in others]
+        self.share = check_share("share", share) if others else 1.0
+        if others and not 0.0 < sum(weight for _, weight in self.others) < float("inf"):
+            raise ConfigError(f"the weights of others need a positive sum, got {self.others}")
+        self.folder = folder
         self.pool: list[Player] = []
 
     def _on_training_start(self) -> None:
@@ -104,17 +103,16 @@ class SelfPlayCallback(EverySteps):
         cast("VecEnv", self.model.get_env()).env_method("set_opponent", self.opponents())
 
     def opponents(self) -> list[tuple[Any, float]]:
-        """Bots and all copies with their weights; a copy that left the pool keeps its place, with weight 0."""
+        """The others and all copies with their weights; a copy that left the pool keeps its place, with weight 0."""
         return self._weighed(self.pool)
 
     def _weighed(self, pool: Sequence[Player]) -> list[tuple[Any, float]]:
-        bots = [(bot, self.bots_share / len(self.bots)) for bot in self.bots]
-        past, latest = pool[:-1], pool[-1]
-        by_rank = [0, *range(len(past) - 1, 0, -1)] if past else []
-        playing = set(by_rank[: self.pool_size - 1])
-        share = (1 - self.bots_share) * (1 - self.latest_share if playing else 0.0)
-        weighed = [(copy, share / len(playing) if k in playing else 0.0) for k, copy in enumerate(past)]
-        return [*bots, *weighed, (latest, 1 - self.bots_share - share)]
+        total = sum(weight for _, weight in self.others)
+        others = [(player, (1 - self.share) * weight / total) for player, weight in self.others]
+        latest = range(len(pool))[-self.pool_size :]
+        playing = {0, *latest[1:]} if len(latest) > 1 else set(latest)
+        weight = self.share / len(playing)
+        return [*others, *((copy, weight if k in playing else 0.0) for k, copy in enumerate(pool))]
 
 
 def frozen_copy(model: BaseAlgorithm) -> Player:

@@ -30,6 +30,7 @@ from hexwar_sb3.commands.settings import ConstantPlans, ScenarioName, Seed, chec
 from hexwar_sb3.engine.world import load_world
 from hexwar_sb3.envs.registration import make_vec_env
 from hexwar_sb3.errors import ConfigError
+from hexwar_sb3.evaluation.opponents import named, with_weights
 from hexwar_sb3.evaluation.panel import BOTS, CONSTANT_PLANS, Terms
 from hexwar_sb3.evaluation.seeds import Purpose, seed_for
 from hexwar_sb3.files import replacing
@@ -77,10 +78,10 @@ class Baseline:
             if getattr(self, name) < 1:
                 raise ConfigError(f"{name} must be at least 1, got {getattr(self, name)}")
         check_name("name", self.name)
-        torch.set_num_threads(1)
+        torch.set_num_threads(1)  # its networks are too small for more
         model = self.new_model()
         compile_first()
-        self.terms().check_opponents(self.opponents)
+        self.terms().check_opponents(named(self.opponents))
         folder = RunFolder.new(self.runs, self.name)
         with holding(folder.path, "run"):
             return self._train(model, folder)
@@ -118,7 +119,9 @@ class Baseline:
         """Let the model play its games."""
         save_whole(model, untrained(folder))
         model.set_logger(configure(str(folder.path), ["csv"]))
-        watch = GamesWinRate(self.decisions, self.eval_freq, self.opponents, self.terms(), folder=folder.path)
+        watch = GamesWinRate(
+            self.decisions, self.eval_freq, named(self.opponents), self.terms(), folder=folder.path
+        )
         try:
             model.learn(
                 self.most_steps, callback=CallbackList([watch, UntilGames(self.games)]), log_interval=200
@@ -135,7 +138,7 @@ class Baseline:
             seed_for(Purpose.TRAINING, self.seed),
             scenario=self.scenario,
             side="both",
-            opponent=list(self.opponents),
+            opponent=list(with_weights(self.opponents).items()),
             decision_ticks=self.decision_ticks,
             reward="net",
             **self.env_settings,

@@ -13,11 +13,13 @@ from hexwar_sb3.evaluation.intervals import Estimate, paired_interval
 from hexwar_sb3.evaluation.panel import BOTS, CONSTANT_PLANS, Panel, Terms, play_panel
 from hexwar_sb3.evaluation.provenance import provenance
 from hexwar_sb3.league.cost import peak_mb
+from hexwar_sb3.play.frozen import FrozenPolicy
 from hexwar_sb3.play.player import seat_name
 
 if TYPE_CHECKING:
     from stable_baselines3.common.vec_env import VecEnv
 
+PAST = "itself, earlier"  # copies of the learner, in the table of who was met
 TRAINED = "trained"  # the row that the others are compared with
 OTHERS = tuple(name for name in BOTS_BY_NAME if name not in (*BOTS, "random"))
 """Further players that the trained one meets, most of them for the first time."""
@@ -84,13 +86,16 @@ def write_page(
 def met_by(env: VecEnv) -> list[dict[str, Any]]:
     """Who was met in the games of a task env, how often, and how the latest of them went for the learner."""
     games = env.get_attr("games")[0]
-    counted = games.encounters
-    names = [
-        name or seat_name(seat) for name, seat in zip(games.mixture.names, games.mixture.players, strict=True)
-    ]
+    counted, found = games.encounters, dict[str, tuple[int, float]]()
+    for name, seat, n, rate in zip(
+        games.mixture.names, games.mixture.players, counted.games, counted.rates, strict=True
+    ):
+        called = name or (PAST if isinstance(seat, FrozenPolicy) else seat_name(seat))
+        before, won = found.get(called, (0, 0.0))
+        found[called] = before + int(n), won + int(n) * float(rate)
     return [
-        {"opponent": name, "games": int(n), "recent_win_rate": round(float(rate), 4)}
-        for name, n, rate in zip(names, counted.games, counted.rates, strict=True)
+        {"opponent": name, "games": n, "recent_win_rate": round(won / n, 4) if n else 0.5}
+        for name, (n, won) in found.items()
     ]
 
 

@@ -67,6 +67,11 @@ class RunFolder:
         return self.path / "checkpoint.npz"
 
     @property
+    def pool(self) -> Path:
+        """Copies of the commander as it was, which it met in training."""
+        return self.path / "pool"
+
+    @property
     def replays(self) -> Path:
         """Recorded games."""
         return self.path / "replays"

@@ -16,6 +16,7 @@ from hexwar_sb3.commands.output import compile_first
 from hexwar_sb3.commands.run_folder import RunFolder
 from hexwar_sb3.commands.settings import ConstantPlans, Json, ScenarioName, Seed, check_name
 from hexwar_sb3.errors import ConfigError, FileFormatError, HexWarError, UnknownNameError
+from hexwar_sb3.evaluation.opponents import named
 from hexwar_sb3.evaluation.seeds import Purpose
 from hexwar_sb3.kinds import read_fields
 from hexwar_sb3.maps.files import builtin_names, load_scenario
@@ -50,7 +51,9 @@ class Train:
     seed: Seed = 0
     scenario: ScenarioName = "plain"
     side: Literal["red", "blue", "both"] = "both"  # camp of the commander; both: in turn
-    opponents: tuple[str, ...] = ("MA1", "MA2")  # bots' names or policy folders; each game draws one
+    # bots' names or policy folders, NAME=WEIGHT; each game draws one; "self": copies of this commander as it was before
+    opponents: tuple[str, ...] = ("MA1", "MA2")
+    self_freq: int = 24_000  # env steps between two copies of itself, where "self" is an opponent
     # "default", a file of `hexwar tune export`, or "paper": the numbers of section IV to the letter; its learning rate
     # of 0.1 learns nothing with Adam
     preset: str = "default"
@@ -130,7 +133,7 @@ class Train:
         # A wrong setting shows here, before anything is compiled or written.
         model = new_model(self, make_env(self))
         compile_first()
-        self.terms().check_opponents(self.opponents)
+        self.terms().check_opponents(self.named_opponents)
         folder = RunFolder.new(self.runs, self.name)
         with holding(folder.path, "run"):
             folder.write_config(self, " ".join(["hexwar", *sys.argv[1:]]))
@@ -161,7 +164,7 @@ class Train:
         Raises:
             HexWarError: a setting is out of its range, or names what does not exist.
         """
-        for name in ("n_timesteps", "eval_freq", "eval_games", "save_freq", "final_games"):
+        for name in ("n_timesteps", "self_freq", "eval_freq", "eval_games", "save_freq", "final_games"):
             if getattr(self, name) < 1:
                 raise ConfigError(f"{name} must be at least 1, got {getattr(self, name)}")
         for games in (self.eval_games, self.final_games):
@@ -169,8 +172,13 @@ class Train:
         check_name("name", self.name)
         self._check_lower()
         check_preset(self.chosen)
-        if not self.opponents:
-            raise ConfigError("name at least one opponent")
+        if not self.named_opponents:
+            raise ConfigError("name at least one opponent beside itself")
+
+    @property
+    def named_opponents(self) -> list[str]:
+        """Opponents that are there before the training: all but itself."""
+        return named(self.opponents)
 
     def _check_lower(self) -> None:
         """Check what the lower level's phases will need, before the first one comes."""

@@ -18,6 +18,7 @@ from hexwar_sb3.algorithms.qmix import QMIX
 from hexwar_sb3.callbacks.checkpoint import Checkpoint
 from hexwar_sb3.callbacks.progress import ProgressBar
 from hexwar_sb3.callbacks.record import write_games
+from hexwar_sb3.callbacks.self_play import SelfPlayCallback
 from hexwar_sb3.callbacks.shares import shares_of
 from hexwar_sb3.callbacks.win_rate import WinRateCallback
 from hexwar_sb3.commands.output import print_json
@@ -27,6 +28,7 @@ from hexwar_sb3.commands.train import LEARNED
 from hexwar_sb3.engine.world import load_world
 from hexwar_sb3.envs.registration import make_vec_env
 from hexwar_sb3.errors import ConfigError
+from hexwar_sb3.evaluation.opponents import SELF, with_weights
 from hexwar_sb3.evaluation.panel import CONSTANT_PLANS
 from hexwar_sb3.evaluation.seeds import Purpose, seed_for
 from hexwar_sb3.play.frozen import FrozenPolicy
@@ -39,13 +41,14 @@ if TYPE_CHECKING:
 
 LED_BY_HEURISTIC = "trained, heuristic lower"  # row of the page
 LOG_EVERY_GAMES = 200
+MOST_THREADS = 2  # of an update, which is too small for more; OMP_NUM_THREADS=1 leaves the other core alone
 INTERRUPTED = 130  # exit code after Ctrl-C
 
 
 def train(settings: Train, model: QMIX, folder: RunFolder) -> int:
     """Train as the settings say; return the exit code."""
     start = monotonic()
-    torch.set_num_threads(1)  # as fast as two here, and it leaves the other core alone
+    torch.set_num_threads(min(MOST_THREADS, torch.get_num_threads()))
     print(f"run folder: {folder.path}", file=sys.stderr)
     if model.num_timesteps == 0:
         model.policy.freeze(**about(settings)).save(folder.untrained)
@@ -57,7 +60,7 @@ def train(settings: Train, model: QMIX, folder: RunFolder) -> int:
         return INTERRUPTED
     model.save(folder.model)
     del model.replay_buffer  # 0.7 GB that the games of the page can have
-    opponent = settings.opponents[0]
+    opponent = settings.named_opponents[0]
     write_games(folder.policy, opponent, settings.terms(), folder.replays, f"against_{Path(opponent).name}")
     title = (
         f'What was learned on "{settings.scenario}", seed {settings.seed}:'
@@ -131,7 +134,7 @@ def make_env(settings: Train) -> VecEnv:
         seed=seed_for(Purpose.TRAINING, settings.seed),
         scenario=settings.scenario,
         side=settings.side,
-        opponent=list(settings.opponents),
+        opponent=[one for one in with_weights(settings.opponents).items() if one[0] != SELF],
         decision_ticks=settings.value("decision_ticks"),
         lower=HEURISTIC_LOWER if settings.value("lower") == LEARNED else settings.value("lower"),
         demo_bot=settings.demo_bot,
@@ -148,9 +151,12 @@ def go_on(settings: Train, folder: RunFolder) -> HierarchicalQMIX:
         ConfigError: the run is finished, or its device cannot be used.
     """
     check_device(settings.device)
+    env, pool = make_env(settings), self_play(settings, folder)
+    for one in pool:
+        one.seat(env)
     model = cast(
         "HierarchicalQMIX",
-        load_checkpoint(folder.checkpoint, make_env(settings), HierarchicalQMIX, device=settings.device),
+        load_checkpoint(folder.checkpoint, env, HierarchicalQMIX, device=settings.device),
     )
     if folder.page.exists() and model.num_timesteps >= settings.n_timesteps:
         raise ConfigError(
@@ -200,10 +206,22 @@ def watchers(settings: Train, folder: RunFolder) -> list[BaseCallback]:
     """Build the callbacks that look at the training."""
     terms = settings.terms(games=settings.eval_games, purpose=Purpose.SELECTION)
     win_rate = WinRateCallback(
-        settings.eval_freq, settings.opponents, terms, folder=folder.path, about=about(settings)
+        settings.eval_freq, settings.named_opponents, terms, folder=folder.path, about=about(settings)
     )
     bar = [ProgressBar(settings.n_timesteps)] if settings.progress else []
-    return [*shares_of(settings.chosen, settings.games), win_rate, *bar]
+    return [*shares_of(settings.chosen, settings.games), *self_play(settings, folder), win_rate, *bar]
+
+
+def self_play(settings: Train, folder: RunFolder) -> list[SelfPlayCallback]:
+    """Build the callback that gives the games copies of the learner, if they are among the opponents."""
+    others = with_weights(settings.opponents)
+    if SELF not in others:
+        return []
+    share = others[SELF] / sum(others.values())
+    del others[SELF]
+    return [
+        SelfPlayCallback(settings.self_freq, others=list(others.items()), share=share, folder=folder.pool)
+    ]
 
 
 def new_logger(folder: Path) -> Logger:

@@ -46,7 +46,7 @@ def _carry_out(runs: Sequence[Run], places: Places, jobs: int, say: Say) -> list
             while waiting and len(running) < jobs:
                 run = waiting.pop(0)
                 say(f"{run.name}: {run.command}")
-                running[run] = start(run, places)
+                running[run] = start(run, places, alone=jobs == 1)
             for run in [run for run, process in running.items() if process.poll() is not None]:
                 code = running.pop(run).returncode
                 if code == 0 and keep_results(run, places):
@@ -74,14 +74,15 @@ def _stopping(running: dict[Run, subprocess.Popen[bytes]]) -> Iterator[None]:
             signal.signal(signal.SIGTERM, before)
 
 
-def start(run: Run, places: Places) -> subprocess.Popen[bytes]:
-    """Start the process of a run."""
+def start(run: Run, places: Places, *, alone: bool = True) -> subprocess.Popen[bytes]:
+    """Start the process of a run; one that is not alone takes one core."""
     log = places.log(run)
     check_held(log.parent)
     log.parent.mkdir(parents=True, exist_ok=True)
     with log.open("ab") as output:
         command = ["-m", run.module, *arguments(run, places)]
-        return start_python(command, stdout=output, stderr=subprocess.STDOUT)
+        threads = {} if alone else {"OMP_NUM_THREADS": "1"}
+        return start_python(command, threads, stdout=output, stderr=subprocess.STDOUT)
 
 
 def arguments(run: Run, places: Places) -> list[str]:

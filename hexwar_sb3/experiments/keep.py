@@ -10,6 +10,7 @@ from typing import Any
 
 from hexwar_sb3.engine.world import load_world
 from hexwar_sb3.evaluation.history import History
+from hexwar_sb3.evaluation.opponents import named
 from hexwar_sb3.evaluation.panel import BOTS
 from hexwar_sb3.experiments.curve import curve_rows, write_curve
 from hexwar_sb3.experiments.runs import Run
@@ -47,7 +48,7 @@ def _curve_of(folder: Path) -> Iterator[dict[str, Any]]:
     said = Measured(**read_fields(Measured, own, folder / "config.json"))
     return curve_rows(
         History.load(folder / "evaluations.npz"),
-        said.opponents,
+        named(said.opponents),
         decision_ticks=None if said.decisions == "event" else said.decision_ticks,
         game_ticks=load_world(said.scenario).scenario.game_ticks,
     )

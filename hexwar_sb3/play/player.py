@@ -199,7 +199,7 @@ def make_mixture(opponent: object) -> Mixture:
         (3.0, 1.0)
     """
     entries = opponent if isinstance(opponent, list | tuple) else [opponent]
-    pairs = [_with_weight(one) for one in entries]
+    pairs = [with_weight(one) for one in entries]
     return Mixture(
         tuple(make_player(one) for one, _ in pairs),
         tuple(weight for _, weight in pairs),
@@ -207,7 +207,12 @@ def make_mixture(opponent: object) -> Mixture:
     )
 
 
-def _with_weight(entry: object) -> tuple[object, float]:
+def with_weight(entry: object) -> tuple[object, float]:
+    """An opponent and its weight: 1 where none is given.
+
+    Raises:
+        ConfigError: it is neither a player nor (player, weight).
+    """
     if not isinstance(entry, list | tuple):
         return entry, 1.0
     if len(entry) != 2 or isinstance(entry[1], bool) or not isinstance(entry[1], Real):

@@ -47,10 +47,10 @@ def test_opponents_are_copies_of_the_learner() -> None:
 
 
 def test_shares_are_those_that_were_asked_for() -> None:
-    pool = SelfPlayCallback(10, pool_size=3, latest_share=0.5, bots=["MA1", "MA2"], bots_share=0.2)
+    pool = SelfPlayCallback(10, pool_size=3, share=0.6, others=[("MA1", 3), "MA2"])
     pool.pool = [qmix().policy.freeze() for _ in range(5)]
 
-    assert [weight for _, weight in pool.opponents()] == pytest.approx([0.1, 0.1, 0.2, 0.0, 0.0, 0.2, 0.4])
+    assert [weight for _, weight in pool.opponents()] == pytest.approx([0.3, 0.1, 0.2, 0.0, 0.0, 0.2, 0.2])
 
 
 @pytest.mark.parametrize("size", [1, 2, 3, 4])
@@ -61,6 +61,20 @@ def test_a_pool_holds_as_many_copies_as_it_may(size: int) -> None:
 
     assert sum(weight > 0 for weight in weights) == size
     assert sum(weights) == pytest.approx(1.0)
+
+
+def test_a_copy_that_beats_the_learner_is_met_more_often() -> None:
+    model, pool = (
+        QMIX("TaskPolicy", games(privileged_state=True, priority=1.0), **SMALL),
+        SelfPlayCallback(48),
+    )
+    model.learn(24 * 2 * 4, callback=pool)
+    core = model.get_env().get_attr("games")[0]  # type: ignore[union-attr]
+    core.encounters.rates[:] = [1.0, 0.0, 0.5, 1.0, 1.0]
+
+    drawn = [core.mixture.draw(0, episode, core.encounters.urgency) for episode in range(400)]
+    met = np.bincount(drawn, minlength=5) / 400
+    assert met == pytest.approx(np.array([0.1, 1.0, 0.5, 0.1, 0.1]) / 1.8, abs=0.06)
 
 
 def test_maskable_ppo_plays_against_its_past() -> None:
@@ -132,7 +146,9 @@ def test_a_pool_is_of_one_training(tmp_path: Path) -> None:
 
 
 def test_a_wrong_share_is_named() -> None:
-    with pytest.raises(ConfigError, match="bots_share needs bots"):
-        SelfPlayCallback(10, bots_share=0.5)
-    with pytest.raises(ConfigError, match=r"latest_share must be in 0\.\.1"):
-        SelfPlayCallback(10, latest_share=2.0)
+    with pytest.raises(ConfigError, match=r"share must be in 0\.\.1"):
+        SelfPlayCallback(10, share=2.0, others=["MA1"])
+    with pytest.raises(ConfigError, match="the weights of others need a positive sum"):
+        SelfPlayCallback(10, others=[("MA1", 0.0)])
+    with pytest.raises(ConfigError, match=r"an opponent is a player or \(player, weight\)"):
+        SelfPlayCallback(10, others=[("MA1", "often")])

@@ -83,6 +83,25 @@ def test_a_training_leaves_a_whole_run_folder(hexwar: Command, tmp_path: Path) -
     assert load_file(run / "policy" / "weights.safetensors")
 
 
+def test_a_commander_meets_itself_and_goes_on_doing_so(
+    hexwar: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    whole = ("train", *SMALL, "-n", "400", "--opponents", "MA1=2", "self", "--self-freq", "100")
+    hexwar(*whole, "--priority", "1", "--runs", str(tmp_path / "whole"))
+    monkeypatch.setattr("hexwar_sb3.callbacks.checkpoint.save_checkpoint", save_and_press_ctrl_c)
+    hexwar(*whole, "--priority", "1", "--save-freq", "300", "--runs", str(tmp_path / "broken"))
+    code, out, _ = hexwar("train", "--resume", str(tmp_path / "broken" / "commander_1"))
+
+    assert code == 0
+    assert "itself, earlier" in out
+    runs = [tmp_path / name / "commander_1" for name in ("whole", "broken")]
+    assert len({weights_hash(run) for run in runs}) == 1
+    met = [json.loads((run / "page.json").read_text(encoding="utf-8"))["met"] for run in runs]
+    assert met[0] == met[1]
+    assert [one["opponent"] for one in met[0]] == ["MA1", "itself, earlier"]
+    assert all(one["games"] > 0 for one in met[0])
+
+
 def test_a_policy_with_a_learned_lower_level_stands_beside_itself_over_the_heuristic(tmp_path: Path) -> None:
     folder = RunFolder(tmp_path)
     policy = QMIX("TaskPolicy", make_vec_env(seed=0), buffer_size=10).policy.freeze()

@@ -1,0 +1,54 @@
+"""Opponents of a training as they are written: NAME, or NAME=WEIGHT."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from math import isfinite
+
+from hexwar_sb3.errors import ConfigError
+
+SELF = "self"  # an opponent of a training: copies of what it was before
+WEIGHT = re.compile(r"(.+)=([0-9.]+(?:[eE][-+]?[0-9]+)?)", re.DOTALL)
+
+
+def named(opponents: Sequence[str]) -> list[str]:
+    """Opponents that are there before the training: all but itself.
+
+    Raises:
+        ConfigError: as `with_weights`.
+    """
+    return [name for name in with_weights(opponents) if name != SELF]
+
+
+def with_weights(opponents: Sequence[str]) -> dict[str, float]:
+    """Opponents and their weights: NAME=WEIGHT, or NAME alone for a weight of 1.
+
+    Raises:
+        ConfigError: there is none, one is named twice, or a weight is out of its range.
+
+    Example:
+        >>> with_weights(["MA1=3", "nearest"])
+        {'MA1': 3.0, 'nearest': 1.0}
+    """
+    found: dict[str, float] = {}
+    for text in opponents:
+        matched = WEIGHT.fullmatch(text)
+        name, number = matched.groups() if matched else (text, "1")
+        weight = _weight(text, number)
+        if name in found:
+            raise ConfigError(f"each opponent is named once, got {name!r} again")
+        found[name] = weight
+    if not sum(found.values()) > 0.0:
+        raise ConfigError("name at least one opponent with a weight above 0")
+    return found
+
+
+def _weight(text: str, number: str) -> float:
+    try:
+        weight = float(number)
+    except ValueError:
+        weight = float("nan")
+    if not isfinite(weight):
+        raise ConfigError(f"an opponent is NAME or NAME=WEIGHT, got {text!r}")
+    return weight

@@ -1,0 +1,34 @@
+"""Opponents of a training as they are written."""
+
+from __future__ import annotations
+
+import pytest
+
+from hexwar_sb3.errors import ConfigError
+from hexwar_sb3.evaluation.opponents import named, with_weights
+
+
+def test_a_weight_stands_after_the_name() -> None:
+    assert with_weights(["MA1=3", "drawn:7=0.5", "runs/a=b", "self=2e0", "nearest=0"]) == {
+        "MA1": 3.0,
+        "drawn:7": 0.5,
+        "runs/a=b": 1.0,
+        "self": 2.0,
+        "nearest": 0.0,
+    }
+    assert named(["MA1=3", "self", "drawn"]) == ["MA1", "drawn"]
+
+
+@pytest.mark.parametrize(
+    ("opponents", "message"),
+    [
+        ([], "at least one opponent with a weight above 0"),
+        (["MA1=0"], "at least one opponent with a weight above 0"),
+        (["MA1", "MA1=2"], "named once, got 'MA1' again"),
+        (["MA1=1.2.3"], "NAME or NAME=WEIGHT, got 'MA1=1.2.3'"),
+        (["MA1=1e999"], "NAME or NAME=WEIGHT"),
+    ],
+)
+def test_what_is_wrong_is_said(opponents: list[str], message: str) -> None:
+    with pytest.raises(ConfigError, match=message):
+        with_weights(opponents)
