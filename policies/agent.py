@@ -35,8 +35,18 @@ class TaskNetwork(nn.Module):
         """Q of every valid task."""
 
     @abstractmethod
+    def encode(self, sets: TaskSets) -> tuple[Tensor, ...]:
+        """All that is computed of task sets before it is known which task is asked for."""
+
+    @abstractmethod
+    def chosen(
+        self, encoded: tuple[Tensor, ...], sets: TaskSets, tasks: Int[Tensor, " piece"]
+    ) -> Float[Tensor, " piece"]:
+        """Q of one task of each piece, from what `encode` gave."""
+
     def q_chosen(self, sets: TaskSets, tasks: Int[Tensor, " piece"]) -> Float[Tensor, " piece"]:
         """Q of one task of each piece."""
+        return self.chosen(self.encode(sets), sets, tasks)
 
 
 class AgentNetwork(TaskNetwork):
@@ -70,9 +80,11 @@ class AgentNetwork(TaskNetwork):
         h, c = self.encode(sets)
         return self.estimate(c.index_select(0, sets.piece), h)
 
-    def q_chosen(self, sets: TaskSets, tasks: Int[Tensor, " piece"]) -> Float[Tensor, " piece"]:
+    def chosen(
+        self, encoded: tuple[Tensor, ...], sets: TaskSets, tasks: Int[Tensor, " piece"]
+    ) -> Float[Tensor, " piece"]:
         """Q of one task of each piece: the estimating module runs for that task only."""
-        h, c = self.encode(sets)
+        h, c = encoded
         return self.estimate(c, h.index_select(0, sets.rows_of(tasks)))
 
     def estimate(
@@ -111,9 +123,15 @@ class LiteralAgentNetwork(TaskNetwork):
         """Q of every valid task."""
         return self.q_table(sets)[sets.piece, sets.task]
 
-    def q_chosen(self, sets: TaskSets, tasks: Int[Tensor, " piece"]) -> Float[Tensor, " piece"]:
+    def encode(self, sets: TaskSets) -> tuple[Tensor, ...]:
+        """Q of all rows: nothing is left out."""
+        return (self.q_table(sets),)
+
+    def chosen(
+        self, encoded: tuple[Tensor, ...], sets: TaskSets, tasks: Int[Tensor, " piece"]
+    ) -> Float[Tensor, " piece"]:
         """Q of one task of each piece."""
-        return self.q_table(sets).gather(1, tasks.unsqueeze(1)).squeeze(1)
+        return encoded[0].gather(1, tasks.unsqueeze(1)).squeeze(1)
 
 
 NETWORKS: dict[str, type[AgentNetwork | LiteralAgentNetwork]] = {

@@ -54,7 +54,7 @@ LOWER_DEFAULTS: dict[str, Any] = {
     "learning_rate_steps": 240_000,  # three phases of 2.5 million ticks
     "buffer_size": 200_000,
     "batch_size": 1024,  # large, and few updates: the camp's reward is louder than a hop lost
-    "train_freq": 4,
+    "train_freq": 1,
     "gradient_steps": 2,
     "tau": 0.02,
     "target_update_interval": 1,
@@ -64,7 +64,7 @@ LOWER_DEFAULTS: dict[str, Any] = {
 """Arguments of `MaskedDQN` for the route env that differ from its own defaults."""
 
 PLAIN_GAMMA = 0.98  # where the reward has no potential, a far goal must be worth something from the start
-LOWER_ENVS = 48  # games of the route env side by side
+LOWER_ENVS = 192  # games of the route env side by side, over its maps: many, for a map's step costs Python
 TEST_ROUTES = 50  # of each piece, to see whether the lower level may lead
 SHARED_SETTINGS = (
     *("scenario", "side", "opponent", "reward"),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from concurrent.futures import Executor
 from dataclasses import asdict
 from typing import Any, ClassVar
 
@@ -19,6 +20,7 @@ from stable_baselines3.common.type_aliases import GymEnv, MaybeCallback, Schedul
 from stable_baselines3.common.utils import LinearSchedule
 from torch import Tensor
 
+from hexwar_sb3.algorithms.beside import Here
 from hexwar_sb3.algorithms.exploration import NO_TASK, Explorer, checked_masks, epsilon_at, random_tasks
 from hexwar_sb3.algorithms.game_log import GameLog
 from hexwar_sb3.algorithms.model_zip import ModelZip
@@ -161,6 +163,7 @@ class QMIX(TaskModel):
     attributes: ClassVar[Mapping[str, str]] = {**TaskModel.attributes, "train_freq": "update_every"}
     places: ClassVar[tuple[str, ...]] = (*TaskModel.places, "mixer")
     _mixer_alone = False  # while it alone learns
+    beside: Executor = Here()  # who computes a part of each update; `executor(2)`: another core, with the same bits
 
     def __init__(
         self,
@@ -454,12 +457,13 @@ class QMIX(TaskModel):
         self.policy.optimizer.zero_grad()
         for size in chunk_sizes(batch_size, self.chunk_size):
             batch = self._sample(size)
-            reward, next_value = batch.reward / self.reward_scale, self.learner.next_value(batch.then)
+            best = self.beside.submit(self.learner.best_tasks, batch.then)
+            q_total = self.learner.q_total(batch)
+            reward, next_value = batch.reward / self.reward_scale, self.learner.value_of(batch.then, best)
             if self.td_lambda is None:
                 target = qmix_target(reward, batch.terminated, next_value, batch.discount)
             else:
                 target = self.learner.lambda_target(batch, reward, next_value)
-            q_total = self.learner.q_total(batch)
             loss = self.learner.mean_loss(batch, q_total, target) + self.further_loss(batch)
             if loss.requires_grad:  # not where a mixer without weights is refitted
                 (loss * (size / batch_size)).backward()  # type: ignore[no-untyped-call]

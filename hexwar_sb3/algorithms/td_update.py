@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from concurrent.futures import Future
 from dataclasses import dataclass
 
 import torch
-from jaxtyping import Float
+from jaxtyping import Float, Int
 from stable_baselines3.common.utils import polyak_update
 from torch import Tensor, nn
 
+from hexwar_sb3.algorithms.beside import Here
 from hexwar_sb3.algorithms.replay import Batch, Situation
 from hexwar_sb3.algorithms.td_targets import lambda_returns
 from hexwar_sb3.errors import TrainingError, UnknownNameError
@@ -58,13 +60,22 @@ class TDLearner:
         agent_q = self.policy.agent.q_chosen(now.sets, batch.tasks).view_as(now.alive)
         return self.policy.mixer(agent_q, now.state, now.alive)
 
-    @torch.no_grad()
     def next_value(self, then: Situation) -> Float[Tensor, "batch value"]:
         """Target networks' value of the greedy valid tasks, in scaled points."""
+        return self.value_of(then, Here().submit(self.best_tasks, then))
+
+    @torch.no_grad()
+    def best_tasks(self, then: Situation) -> Int[Tensor, " piece"]:
+        """Greedy valid task of every piece."""
+        chooser = self.policy.agent if self.double_q else self.policy.agent_target
+        return then.sets.best(chooser.q_values(then.sets))
+
+    @torch.no_grad()
+    def value_of(self, then: Situation, tasks: Future[Tensor]) -> Float[Tensor, "batch value"]:
+        """Target networks' value of tasks that are still being computed, perhaps."""
         policy = self.policy
-        chooser = policy.agent if self.double_q else policy.agent_target
-        best = then.sets.best(chooser.q_values(then.sets))
-        agent_q = policy.agent_target.q_chosen(then.sets, best).view_as(then.alive)
+        encoded = policy.agent_target.encode(then.sets)
+        agent_q = policy.agent_target.chosen(encoded, then.sets, tasks.result()).view_as(then.alive)
         return policy.mixer_target(agent_q, then.state, then.alive)
 
     def lambda_target(self, batch: Batch, reward: Tensor, next_value: Tensor) -> Float[Tensor, "batch value"]:

@@ -12,6 +12,7 @@ import torch
 from stable_baselines3.common.callbacks import BaseCallback, CallbackList
 from stable_baselines3.common.logger import Logger, configure
 
+from hexwar_sb3.algorithms.beside import executor
 from hexwar_sb3.algorithms.checkpoint import load_checkpoint
 from hexwar_sb3.algorithms.hierarchical import HierarchicalQMIX
 from hexwar_sb3.algorithms.qmix import QMIX
@@ -41,14 +42,14 @@ if TYPE_CHECKING:
 
 LED_BY_HEURISTIC = "trained, heuristic lower"  # row of the page
 LOG_EVERY_GAMES = 200
-MOST_THREADS = 2  # of an update, which is too small for more; OMP_NUM_THREADS=1 leaves the other core alone
 INTERRUPTED = 130  # exit code after Ctrl-C
 
 
 def train(settings: Train, model: QMIX, folder: RunFolder) -> int:
     """Train as the settings say; return the exit code."""
     start = monotonic()
-    torch.set_num_threads(min(MOST_THREADS, torch.get_num_threads()))
+    cores, _ = torch.get_num_threads(), torch.set_num_threads(1)
+    model.beside = executor(cores)
     print(f"run folder: {folder.path}", file=sys.stderr)
     if model.num_timesteps == 0:
         model.policy.freeze(**about(settings)).save(folder.untrained)
