@@ -14,6 +14,8 @@ from hexwar_sb3.policies.task_sets import TaskSets, pack
 class TaskNetwork(nn.Module):
     """Estimates Q_i of every task in a piece's task set (Fig. 4b)."""
 
+    piece: nn.Linear  # reads a piece's own features
+
     def forward(
         self,
         obs: Float[Tensor, "*game piece obs"],

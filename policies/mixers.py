@@ -37,6 +37,10 @@ class Mixer(nn.Module):
     ) -> Float[Tensor, "batch value"]:
         """Mix the Q of the living."""
 
+    def state_layers(self) -> list[nn.Linear]:
+        """Layers that read the state."""
+        return []
+
     def weights(self, alive: Float[Tensor, "batch piece"]) -> Float[Tensor, "batch value"]:
         """Weight of each trained value in the loss."""
         return torch.ones_like(alive[:, :1])
@@ -61,6 +65,11 @@ class MonotonicMixer(Mixer):
         w2 = self.hyper_w2(state).abs()  # >= 0
         hidden = nn.functional.elu(torch.einsum("bn,bne->be", agent_q, w1) + self.hyper_b1(state))
         return (hidden * w2).sum(dim=1, keepdim=True) + self.hyper_b2(state)
+
+    def state_layers(self) -> list[nn.Linear]:
+        """First layers of the hypernetworks."""
+        nets = (self.hyper_w1, self.hyper_w2, self.hyper_b2)
+        return [self.hyper_b1, *(net[0] for net in nets if isinstance(net[0], nn.Linear))]
 
 
 class SumMixer(Mixer):

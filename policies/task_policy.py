@@ -16,6 +16,7 @@ from hexwar_sb3.errors import ConfigError, UnknownNameError
 from hexwar_sb3.play.frozen import FrozenPolicy
 from hexwar_sb3.play.lower_policy import HEURISTIC_LOWER, Lower
 from hexwar_sb3.policies.agent import NETWORKS, AgentNetwork, TaskNetwork
+from hexwar_sb3.policies.mirrored import columns_of_the_camp, leave_out
 from hexwar_sb3.policies.mixers import MIXERS, Mixer
 from hexwar_sb3.policies.shapes import TaskShapes
 from hexwar_sb3.policies.task_sets import pack_observation
@@ -37,6 +38,7 @@ class TaskPolicy(TrustedFiles, BasePolicy):
         network: "additive", or "literal" for layers over concatenations (the same functions, slower).
         hidden: width of the agent network.
         embed: width of a task's embedding.
+        mirrored: the networks do not see which camp they play; for maps that are their own mirror images.
         optimizer_class: Adam by default.
         optimizer_kwargs: its arguments beside the learning rate.
     """
@@ -53,6 +55,7 @@ class TaskPolicy(TrustedFiles, BasePolicy):
         network: str = "additive",
         hidden: int = 64,
         embed: int = 32,
+        mirrored: bool = False,
         optimizer_class: type[torch.optim.Optimizer] = torch.optim.Adam,
         optimizer_kwargs: dict[str, Any] | None = None,
     ) -> None:
@@ -69,6 +72,9 @@ class TaskPolicy(TrustedFiles, BasePolicy):
         self.network, self.state_dim = network, state_dim or self.shapes.state_dim
         self.agent, self.agent_target = self._make_agent(), self._make_agent()
         self.mixer, self.mixer_target = self._make_mixer(), self._make_mixer()
+        self.mirrored = mirrored
+        if mirrored:
+            self._leave_out_the_camp()
         self.agent_target.load_state_dict(self.agent.state_dict())
         self.mixer_target.load_state_dict(self.mixer.state_dict())
         self.trained = [*self.agent.parameters(), *self.mixer.parameters()]
@@ -92,6 +98,12 @@ class TaskPolicy(TrustedFiles, BasePolicy):
         if self.network not in NETWORKS:
             raise UnknownNameError("network", self.network, NETWORKS)
         return NETWORKS[self.network](self.shapes.obs_dim, self.shapes.task_dim, **self.sizes)
+
+    def _leave_out_the_camp(self) -> None:
+        own, of_state = columns_of_the_camp(self.shapes, self.state_dim)
+        leave_out(self.agent.piece, own)
+        for layer in self.mixer.state_layers():
+            leave_out(layer, of_state)
 
     def _make_mixer(self) -> Mixer:
         if self.mixer_name not in MIXERS:
@@ -185,6 +197,7 @@ class TaskPolicy(TrustedFiles, BasePolicy):
             "state_dim": self.state_dim,
             "network": self.network,
             **self.sizes,
+            "mirrored": self.mirrored,
             "optimizer_class": self.optimizer_class,
             "optimizer_kwargs": self.optimizer_kwargs,
         }

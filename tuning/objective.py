@@ -149,7 +149,7 @@ def new_model(preset: Preset, common: Common) -> HierarchicalQMIX:
         tie=preset.tie,
         route_kwargs={"scenario": [common.scenario], **preset.route},
         lower_kwargs={**schedules, **preset.lower_learner},
-        **preset.learner_for(common.games),
+        **preset.learner_for(common.games, common.scenario),
     )
 
 

@@ -10,7 +10,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from hexwar_sb3.algorithms.presets import LEARNER, PARTS, PRESETS, WIDTHS, Preset
+from hexwar_sb3.algorithms.presets import LEARNER, OF_POLICY, PARTS, PRESETS, Preset
 from hexwar_sb3.algorithms.ranges import check_settings
 from hexwar_sb3.checks import check_whole
 from hexwar_sb3.errors import ConfigError, FileFormatError, HexWarError, UnknownNameError
@@ -49,7 +49,7 @@ MOST = {
     "n_steps": 1_000,
     "gradient_steps": 1_000,
 }
-MOST |= dict.fromkeys(WIDTHS, 1_024)
+MOST |= {name: 1_024 for name, kind in OF_POLICY.items() if kind == "int"}
 """Limits of those that cost memory or time."""
 MOST_WHOLE = 10**12
 PLAIN = {"float": (float, int), "int": (int,), "bool": (bool,), "str": (str,), "None": (type(None),)}
@@ -137,10 +137,11 @@ def _check_part(path: Path, part: str, values: dict[str, Any]) -> None:
         if name not in KNOWN[part]:
             raise FileFormatError(path, place, found="an unknown setting", expected=", ".join(KNOWN[part]))
         if name == "policy_kwargs":
-            if not isinstance(value, dict) or not set(value) <= set(WIDTHS):
-                raise FileFormatError(path, place, found=repr(value)[:40], expected=f"some of {WIDTHS}")
-            for width, number in value.items():
-                _check_value(path, f"{place}.{width}", number, "int")
+            if not isinstance(value, dict) or not set(value) <= set(OF_POLICY):
+                expected = f"some of {tuple(OF_POLICY)}"
+                raise FileFormatError(path, place, found=repr(value)[:40], expected=expected)
+            for one, its in value.items():
+                _check_value(path, f"{place}.{one}", its, OF_POLICY[one])
         else:
             _check_value(path, place, value, kinds[name])
 

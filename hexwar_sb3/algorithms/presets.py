@@ -4,9 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 from typing import Any
 
+from hexwar_sb3.engine.world import load_world
+from hexwar_sb3.maps.scenario import Scenario
 from hexwar_sb3.play.records import DECISION_TICKS
+from hexwar_sb3.tasks.hotspots import is_mirrored
 
 Settings = dict[str, Any]
 LEARNER = (
@@ -18,7 +22,7 @@ LEARNER = (
 """Settings that are arguments of QMIX."""
 FALLS = {"exploration_episodes": 0.4, "squad_episodes": 0.7}
 """Arguments of QMIX that are numbers of games: their share of a training, where the preset says nothing."""
-WIDTHS = ("hidden", "embed")  # of its networks
+OF_POLICY = {"hidden": "int", "embed": "int", "mirrored": "bool"}  # of its networks, with their kinds
 PARTS = {
     **{name: ("env", name) for name in ("reward", "decisions", "spots", "priority")},
     **{name: ("route", name) for name in ("alpha", "beta", "beta_per", "ways")},
@@ -53,11 +57,11 @@ class Preset:
         """The same preset with other values.
 
         Args:
-            settings: values by name, those of `hexwar train`'s flags and `WIDTHS`.
+            settings: values by name, those of `hexwar train`'s flags.
         """
         new: Settings = {}
         for name, value in settings.items():
-            if name in WIDTHS:
+            if name in OF_POLICY:
                 learner = new.get("learner", self.learner)
                 new["learner"] = {
                     **learner,
@@ -70,9 +74,17 @@ class Preset:
                 new[name] = value
         return replace(self, **new)
 
-    def learner_for(self, games: int) -> Settings:
-        """Arguments of QMIX for a training of so many games."""
-        return {**{name: max(1, int(share * games)) for name, share in FALLS.items()}, **self.learner}
+    def learner_for(self, games: int, scenario: str | Path | Scenario) -> Settings:
+        """Arguments of QMIX for a training of so many games on a map.
+
+        On a map that is its own mirror image the networks do not see which camp they play, unless the preset says so.
+        """
+        falls = {name: max(1, int(share * games)) for name, share in FALLS.items()}
+        policy = {
+            "mirrored": is_mirrored(load_world(scenario).scenario),
+            **self.learner.get("policy_kwargs", {}),
+        }
+        return {**falls, **self.learner, "policy_kwargs": policy}
 
     def lower_ticks(self, upper_ticks: int) -> int:
         """Game ticks of the lower level in a training with so many of the upper one."""
@@ -128,6 +140,7 @@ PRESETS = {
             "exploration_final_eps": 0.05,
             "exploration_episodes": 4_500,
             "exploration_every": 100,
+            "policy_kwargs": {"mirrored": False},
         },
     ),
 }

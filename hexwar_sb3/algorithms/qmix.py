@@ -84,6 +84,7 @@ POLICY_KWARGS = Parts(
         "network": Choice("network", NETWORKS),
         "hidden": WIDTH,
         "embed": WIDTH,
+        "mirrored": flag,
         "optimizer_kwargs": OPTIMIZER,
     },
     others=("optimizer_class",),
@@ -163,7 +164,9 @@ class QMIX(TaskModel):
     attributes: ClassVar[Mapping[str, str]] = {**TaskModel.attributes, "train_freq": "update_every"}
     places: ClassVar[tuple[str, ...]] = (*TaskModel.places, "mixer")
     _mixer_alone = False  # while it alone learns
-    beside: Executor = Here()  # who computes a part of each update; `executor(2)`: another core, with the same bits
+    beside: Executor = (
+        Here()
+    )  # who computes a part of each update; `executor(2)`: another core, with the same bits
 
     def __init__(
         self,

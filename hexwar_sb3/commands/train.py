@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeVar
 import tyro
 
 from hexwar_sb3.algorithms.preset_file import check_preset, load_preset, save_preset
-from hexwar_sb3.algorithms.presets import PARTS, PRESETS, Preset
+from hexwar_sb3.algorithms.presets import OF_POLICY, PARTS, PRESETS, Preset
 from hexwar_sb3.commands.output import compile_first
 from hexwar_sb3.commands.run_folder import RunFolder
 from hexwar_sb3.commands.settings import ConstantPlans, Json, ScenarioName, Seed, check_name
@@ -82,6 +82,10 @@ class Train:
     lower_gamma: OfPreset[float] = None  # discount of the lower level for the time of a hop on open ground
 
     mixer: OfPreset[Literal["qmix", "vdn", "iql"]] = None  # joins the pieces' values into the camp's
+    hidden: OfPreset[int] = None  # width of the networks
+    embed: OfPreset[int] = None  # width of a task's embedding
+    # the networks do not see which camp they play; where the preset says nothing: if the map is its own mirror image
+    mirrored: OfPreset[bool] = None
     learning_rate: OfPreset[float] = None  # of Adam, at the start
     final_learning_rate: OfPreset[float] = None  # learning rate at the end
     batch_size: OfPreset[int] = None  # transitions of an update
@@ -234,7 +238,7 @@ class Train:
     @property
     def learner(self) -> dict[str, Any]:
         """Arguments of QMIX."""
-        return self.chosen.learner_for(self.games)
+        return self.chosen.learner_for(self.games, self.scenario)
 
     @property
     def lower_learner(self) -> dict[str, Any]:
@@ -245,7 +249,7 @@ class Train:
 OF_PRESET = tuple(
     name
     for name, field in Train.__dataclass_fields__.items()
-    if field.default is None and (name in PARTS or hasattr(Preset, name))
+    if field.default is None and (name in PARTS or name in OF_POLICY or hasattr(Preset, name))
 )
 """Settings whose values are the preset's where none is given."""
 

@@ -48,8 +48,8 @@ INTERRUPTED = 130  # exit code after Ctrl-C
 def train(settings: Train, model: QMIX, folder: RunFolder) -> int:
     """Train as the settings say; return the exit code."""
     start = monotonic()
-    cores, _ = torch.get_num_threads(), torch.set_num_threads(1)
-    model.beside = executor(cores)
+    model.beside = executor(torch.get_num_threads())
+    torch.set_num_threads(1)  # else sums would have other bits
     print(f"run folder: {folder.path}", file=sys.stderr)
     if model.num_timesteps == 0:
         model.policy.freeze(**about(settings)).save(folder.untrained)

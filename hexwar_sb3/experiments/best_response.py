@@ -122,7 +122,7 @@ def train_response(response: Response) -> list[dict[str, Any]]:
         privileged_state=True,
         **preset.env,
     )
-    learner = preset.learner_for(response.games)
+    learner = preset.learner_for(response.games, response.scenario)
     model = QMIX("TaskPolicy", env, seed=response.seed, **learner)
     decisions = load_world(response.scenario).scenario.game_ticks // terms.decision_ticks
     watch = Watch(response.every * decisions, decisions, response.camp, response.player, terms)

@@ -11,7 +11,9 @@ from hexwar_sb3.algorithms.qmix import QMIX
 from hexwar_sb3.envs.registration import make_vec_env
 
 
-@pytest.mark.parametrize("options", [{}, {"double_q": False}, {"td_lambda": 0.8}, {"policy_kwargs": {"hidden": 128}}])
+@pytest.mark.parametrize(
+    "options", [{}, {"double_q": False}, {"td_lambda": 0.8}, {"policy_kwargs": {"hidden": 128}}]
+)
 def test_of_two_cores(options: dict[str, Any]) -> None:
     found = []
     for cores in (1, 2):
