@@ -15,7 +15,7 @@ from hexwar_sb3.errors import ConfigError
 from hexwar_sb3.evaluation.panel import Terms
 from hexwar_sb3.folders import holding
 from hexwar_sb3.league.league import League
-from hexwar_sb3.league.member import CAMPS, as_member
+from hexwar_sb3.league.member import BOTH, CAMPS, as_member
 from hexwar_sb3.league.settings import LeagueSettings
 from hexwar_sb3.play.frozen import FrozenPolicy
 
@@ -34,7 +34,8 @@ class GroupedSelfPlayCallback(BaseCallback):
 
     Args:
         folder: of the league.
-        settings: of the league; the scenario must be the env's, the widths the model's.
+        settings: of the league; the scenario must be the env's, the widths the model's. Else the usual ones: split, if the
+            model plays one camp.
         starters: further models to begin with, policy folders by name.
         jobs: groups, then matches, side by side: processes of joblib.
 
@@ -55,13 +56,14 @@ class GroupedSelfPlayCallback(BaseCallback):
         jobs: int = 1,
     ) -> None:
         super().__init__()
-        self.folder, self.settings, self.jobs = Path(folder), settings or LeagueSettings(), jobs
+        self.folder, self.given, self.jobs = Path(folder), settings, jobs
         self.starters = dict(starters or {})
         self.champions: dict[str, FrozenPolicy] = {}
 
     def _on_training_start(self) -> None:
         model = self._model()
         played = cast("TaskSettings", cast("VecEnv", model.get_env()).get_attr("games")[0].settings)
+        self.settings = self.given or LeagueSettings(split=played.side != BOTH)
         if played.scenario != self.settings.scenario:
             raise ConfigError(f"the league plays {self.settings.scenario}, the model's env {played.scenario}")
         widths = {"hidden": self.settings.hidden, "embed": self.settings.embed}

@@ -21,7 +21,7 @@ from hexwar_sb3.policies.task_sets import TaskSets
 
 
 class Teacher(Protocol):
-    """Says what it thinks of every task, and plays the best: a `FrozenPolicy`, or one led by an order (`LedPolicy`)."""
+    """Says what it thinks of every task, and plays the best: a `FrozenPolicy`."""
 
     def q_values(self, obs: Mapping[str, NDArray[Any]]) -> NDArray[np.float32]:
         """Q of every task [B, N, K], in scaled points."""

@@ -44,7 +44,7 @@ from hexwar_sb3.files import replacing
 ATTRIBUTES = {"stats_window_size": "_stats_window_size"}  # of SB3, where it differs from the argument's name
 OF_THE_CALLER = ("verbose", "tensorboard_log")  # settings that no file decides
 WITHOUT_MEANING = ("optimize_memory_usage",)  # arguments of SB3's that loaders pass on
-ZIP_NAMES = ("QMIX", "HierarchicalQMIX", "AnchoredQMIX", "MaskedDQN", "MaskedQRDQN")
+ZIP_NAMES = ("QMIX", "HierarchicalQMIX", "MaskedDQN", "MaskedQRDQN")
 
 
 class PlainZip(OffPolicyAlgorithm):

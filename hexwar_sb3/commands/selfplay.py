@@ -11,6 +11,7 @@ import tyro
 
 from hexwar_sb3.commands.output import compile_first, print_json, table
 from hexwar_sb3.commands.settings import Json, ScenarioName, Seed, check_jobs
+from hexwar_sb3.evaluation.opponents import OPPONENTS
 
 if TYPE_CHECKING:
     from hexwar_sb3.league.league import League
@@ -32,16 +33,17 @@ class SelfPlay:
     output: Path = Path("league")  # folder of the league
     iterations: int = 10  # of training, round robin and selection
     keep: int = 4  # models of each colour that are kept; keep * keep groups train
-    school_rounds: int = 1  # of lessons, for the models that were kept; 0: none, as in the paper
-    games: int = 200  # that each of the two models of a group then learns from by itself
-    anchor: float = 0.1  # weight of staying near what entered the group; 0: as in the paper
-    trial_games: int = 60  # of a version of a model against each of its rivals; the best version is kept
-    match_games: int = 50  # of each pairing in the round robin
+    split: bool = False  # red and blue models of their own, as in the paper; else each plays both camps
+    games: int = 1_200  # that each model of a group learns from
+    match_games: int = 40  # of each pairing in the round robin
     warm_up_games: int = 400  # of each model to begin with against each of MA1 and MA2, to rank them
-    bots: tuple[str, ...] = ("MA1", "MA2", "all-main")  # met in training and in the round robin
-    partner_share: float = 0.2  # of these games, against the partner of the group
-    past_share: float = 0.3  # of these games, against the best of the iterations before
+    bots: tuple[str, ...] = OPPONENTS  # NAME or NAME=WEIGHT; met in training and in the round robin
+    partner_share: float = 0.2  # of the weights, for the partner of the group
+    past_share: float = 0.3  # for the best of the iterations before
+    # exponent by which those who beat the model are met more often; 0: by their weights alone
+    priority: float = 1.0
     hidden: int = 64  # width of the models' networks; narrower ones are widened
+    embed: int = 32  # width of a task's embedding
     scenario: ScenarioName = "plain"
     seed: Seed = 0
     jobs: int = 1  # groups, then matches, side by side

@@ -16,7 +16,7 @@ from hexwar_sb3.commands.output import compile_first
 from hexwar_sb3.commands.run_folder import RunFolder
 from hexwar_sb3.commands.settings import ConstantPlans, Json, ScenarioName, Seed, check_name
 from hexwar_sb3.errors import ConfigError, FileFormatError, HexWarError, UnknownNameError
-from hexwar_sb3.evaluation.opponents import named
+from hexwar_sb3.evaluation.opponents import LEARNED_OPPONENT, OPPONENTS, named
 from hexwar_sb3.evaluation.seeds import Purpose
 from hexwar_sb3.kinds import read_fields
 from hexwar_sb3.maps.files import builtin_names, load_scenario
@@ -51,8 +51,9 @@ class Train:
     seed: Seed = 0
     scenario: ScenarioName = "plain"
     side: Literal["red", "blue", "both"] = "both"  # camp of the commander; both: in turn
-    # bots' names or policy folders, NAME=WEIGHT; each game draws one; "self": copies of this commander as it was before
-    opponents: tuple[str, ...] = ("MA1", "MA2")
+    # bots' names or policy folders, NAME=WEIGHT; each game draws one; "self": copies of this commander as it was before;
+    # else a broad mixture: MA1=4 MA2=4 drawn=4 nearest defender all-main half-half, and HRL0=2 on maps that it fits
+    opponents: tuple[str, ...] = ()
     self_freq: int = 24_000  # env steps between two copies of itself, where "self" is an opponent
     # "default", a file of `hexwar tune export`, or "paper": the numbers of section IV to the letter; its learning rate
     # of 0.1 learns nothing with Adam
@@ -110,7 +111,7 @@ class Train:
     device: str = "auto"  # "cpu", "cuda", or what there is
 
     eval_freq: int = 24_000  # env steps between two evaluations
-    eval_games: int = 64  # games an opponent and colour in each of them
+    eval_games: int = 32  # games an opponent and colour in each of them
     save_freq: int = 48_000  # env steps of both levels between two checkpoints
     final_games: int = 1000  # games an opponent and colour on the page at the end
     constant_plans: ConstantPlans = True
@@ -140,7 +141,7 @@ class Train:
         self.terms().check_opponents(self.named_opponents)
         folder = RunFolder.new(self.runs, self.name)
         with holding(folder.path, "run"):
-            folder.write_config(self, " ".join(["hexwar", *sys.argv[1:]]))
+            folder.write_config(replace(self, opponents=self.met), " ".join(["hexwar", *sys.argv[1:]]))
             if self.preset not in PRESETS:
                 save_preset(folder.preset, self.loaded, {"copy of": self.preset})
                 return train(replace(self, preset=str(folder.preset)), model, folder)
@@ -182,7 +183,14 @@ class Train:
     @property
     def named_opponents(self) -> list[str]:
         """Opponents that are there before the training: all but itself."""
-        return named(self.opponents)
+        return named(self.met)
+
+    @property
+    def met(self) -> tuple[str, ...]:
+        """Opponents, as they were given, or the broad mixture."""
+        if self.opponents:
+            return self.opponents
+        return (*OPPONENTS, *((LEARNED_OPPONENT,) if sizes(self.scenario) == sizes("plain") else ()))
 
     def _check_lower(self) -> None:
         """Check what the lower level's phases will need, before the first one comes."""

@@ -65,7 +65,7 @@ def train(settings: Train, model: QMIX, folder: RunFolder) -> int:
     write_games(folder.policy, opponent, settings.terms(), folder.replays, f"against_{Path(opponent).name}")
     title = (
         f'What was learned on "{settings.scenario}", seed {settings.seed}:'
-        f" {settings.n_timesteps:,} env steps against {', '.join(settings.opponents)}"
+        f" {settings.n_timesteps:,} env steps against {', '.join(settings.met)}"
     )
     figures, text = write_page(
         folder,
@@ -135,7 +135,7 @@ def make_env(settings: Train) -> VecEnv:
         seed=seed_for(Purpose.TRAINING, settings.seed),
         scenario=settings.scenario,
         side=settings.side,
-        opponent=[one for one in with_weights(settings.opponents).items() if one[0] != SELF],
+        opponent=[one for one in with_weights(settings.met).items() if one[0] != SELF],
         decision_ticks=settings.value("decision_ticks"),
         lower=HEURISTIC_LOWER if settings.value("lower") == LEARNED else settings.value("lower"),
         demo_bot=settings.demo_bot,
@@ -215,7 +215,7 @@ def watchers(settings: Train, folder: RunFolder) -> list[BaseCallback]:
 
 def self_play(settings: Train, folder: RunFolder) -> list[SelfPlayCallback]:
     """Build the callback that gives the games copies of the learner, if they are among the opponents."""
-    others = with_weights(settings.opponents)
+    others = with_weights(settings.met)
     if SELF not in others:
         return []
     share = others[SELF] / sum(others.values())

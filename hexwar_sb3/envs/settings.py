@@ -59,8 +59,7 @@ class TaskSettings:
         check_choice("dtype", self.dtype, DTYPES)
         check_share("warm_start", self.warm_start)
         check_share("demo_share", self.demo_share)
-        if not 0.0 <= check_number("priority", self.priority) <= MOST_PRIORITY:
-            raise ConfigError(f"priority must be in 0..{MOST_PRIORITY}, got {self.priority!r}")
+        check_priority(self.priority)
         check_whole("decision_ticks", self.decision_ticks, least=1)
         check_whole("spots", self.spots, least=0)
         check_flag("fog", self.fog)
@@ -132,6 +131,17 @@ def check_number(setting: str, value: object) -> float:
     if isinstance(value, bool | np.bool_) or not isinstance(value, Real):
         raise ConfigError(f"{setting} must be a number, got {shortened(repr(value))}")
     return float(value)
+
+
+def check_priority(value: object) -> float:
+    """Return an exponent of the share of losses.
+
+    Raises:
+        ConfigError: it is out of its range.
+    """
+    if not 0.0 <= (priority := check_number("priority", value)) <= MOST_PRIORITY:
+        raise ConfigError(f"priority must be in 0..{MOST_PRIORITY}, got {value!r}")
+    return priority
 
 
 def check_share(setting: str, value: object) -> float:

@@ -8,6 +8,9 @@ from math import isfinite
 
 from hexwar_sb3.errors import ConfigError
 
+OPPONENTS = ("MA1=4", "MA2=4", "drawn=4", "nearest", "defender", "all-main", "half-half")
+"""Scripted players of both kinds, known ones and others in each game: who learns against them holds against more."""
+LEARNED_OPPONENT = "HRL0=2"  # a trained policy beside them, for line-ups like that of "plain"
 SELF = "self"  # an opponent of a training: copies of what it was before
 WEIGHT = re.compile(r"(.+)=([0-9.]+(?:[eE][-+]?[0-9]+)?)", re.DOTALL)
 

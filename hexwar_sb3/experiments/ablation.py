@@ -10,6 +10,7 @@ from typing import Any
 
 from hexwar_sb3.errors import FileFormatError
 from hexwar_sb3.evaluation.intervals import Estimate
+from hexwar_sb3.evaluation.opponents import OPPONENTS
 from hexwar_sb3.evaluation.panel import BOTS
 from hexwar_sb3.experiments.page_file import FILE, PageRow, rows_on
 from hexwar_sb3.experiments.runs import FLAT_DQN, TASK_PPO, Budget, Places, Run, baseline_run, hrl_run
@@ -32,11 +33,12 @@ class Row:
     says: str  # how it differs from the base
     lower: str = "heuristic"
     flags: tuple[str, ...] = ()
+    opponents: tuple[str, ...] = BOTS
     decision_ticks: int = DECISION_TICKS
 
 
 ROWS = {
-    BASE: Row(says="defaults, with the heuristic as the lower level"),
+    BASE: Row(says="defaults against MA1 and MA2, with the heuristic as the lower level"),
     "learned-lower": Row(says="the lower level is learned too", lower="learned"),
     "vdn": Row(says="values added, no mixer", flags=("--mixer", "vdn")),
     "iql": Row(says="each piece learns alone", flags=("--mixer", "iql")),
@@ -44,8 +46,15 @@ ROWS = {
     "no-demos": Row(says="no bot shows how it plays", flags=("--demo-share", "0.0")),
     "one-step": Row(says="one-step returns", flags=("--n-steps", "1")),
     "plain-epsilon": Row(says="random tasks are not kept", flags=("--stickiness", "0.0")),
-    "only-ma1": Row(says="learns against MA1 alone", flags=("--opponents", "MA1")),
-    "only-ma2": Row(says="learns against MA2 alone", flags=("--opponents", "MA2")),
+    "no-squads": Row(
+        says="no squad explores as one", flags=("--squad-initial-share", "0.0", "--squad-final-share", "0.0")
+    ),
+    "seen-camp": Row(says="networks see which camp they play", flags=("--mirrored", "False")),
+    "narrow": Row(says="64 hidden units, tasks in 32", flags=("--hidden", "64", "--embed", "32")),
+    "broad": Row(says="learns against the broad mixture", opponents=OPPONENTS),
+    "broad-even": Row(says="the same, whoever beats it", opponents=OPPONENTS, flags=("--priority", "0.0")),
+    "only-ma1": Row(says="learns against MA1 alone", opponents=("MA1",)),
+    "only-ma2": Row(says="learns against MA2 alone", opponents=("MA2",)),
     "ticks-15": Row(says=f"Delta-t 15, {SAME_GAMES}", decision_ticks=15),
     "ticks-300": Row(says=f"Delta-t 300, {SAME_GAMES}", decision_ticks=300),
     "gamma-1": Row(says="no discount, eq. (4)", flags=("--gamma", "1.0")),
@@ -86,7 +95,7 @@ def row_run(name: str, seed: int, budget: Budget) -> Run:
     """A run of a row of our own."""
     row = ROWS[name]
     plans = () if name == BASE else (NO_PLANS,)
-    flags = ("--lower", row.lower, *plans, *row.flags)
+    flags = ("--lower", row.lower, *plans, *row.flags, "--opponents", *row.opponents)
     return hrl_run(NAME, name, seed, budget, *flags, decision_ticks=row.decision_ticks)
 
 

@@ -32,7 +32,6 @@ from hexwar_sb3.files import replacing
 from hexwar_sb3.kinds import fits, read_fields
 from hexwar_sb3.reading import read_json
 
-SQUADS = {"squad_initial_share": 0.3, "squad_final_share": 0.03}  # beside the default preset
 HALF = 0.5  # win rate from which a response is said to have the better of the player
 
 
@@ -107,7 +106,7 @@ def respond(spec: tuple[Response, Path]) -> None:
 
 def train_response(response: Response) -> list[dict[str, Any]]:
     """Train a response; its figures against the player at every evaluation."""
-    terms, preset = response.terms, PRESETS["default"].changed(SQUADS)
+    terms, preset = response.terms, PRESETS["default"]
     env = make_vec_env(
         "HexWarTask-v0",
         n_envs=preset.n_envs,

@@ -40,7 +40,7 @@ def pair(scenario: str, seed: int, budget: Budget) -> tuple[Run, Run]:
     game = load_scenario(scenario).game_ticks
     games = budget.games + math.ceil(PRESETS["default"].lower_ticks(budget.games * game) / game)
     return (
-        hrl_run(NAME, f"hrl-{scenario}", seed, budget, scenario=scenario),
+        hrl_run(NAME, f"hrl-{scenario}", seed, budget, "--opponents", *BOTS, scenario=scenario),
         baseline_run(FLAT_DQN, NAME, f"dqn-{scenario}", seed, budget, games=games, scenario=scenario),
     )
 

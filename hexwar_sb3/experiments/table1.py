@@ -1,6 +1,6 @@
 """Table I: warm-ups, grouped self-play and distillation in one pipeline, and who beats whom at its end (IV-A).
 
-Stages leave files and are skipped where these are: warm-ups (those of figure 7), league, heirs, matches.
+Stages leave files and are skipped where these are: warm-ups (those of figure 7), league, CAI, matches.
 """
 
 from __future__ import annotations
@@ -18,21 +18,23 @@ from hexwar_sb3.evaluation.tournament import Meeting, Table, play_meetings
 from hexwar_sb3.experiments.carry_out import carry_out
 from hexwar_sb3.experiments.fig7 import pair
 from hexwar_sb3.experiments.page_file import FILE, minutes_on
-from hexwar_sb3.experiments.runs import Budget, Places, Run
+from hexwar_sb3.experiments.runs import Budget, Places, Run, hrl_run
 from hexwar_sb3.folders import holding, making
+from hexwar_sb3.league.cai import DISTILLED, LEARNED, CaiSpec, make_cai
 from hexwar_sb3.league.cost import Cost, added, measured, read_cost
 from hexwar_sb3.league.distil import Lessons
-from hexwar_sb3.league.heir import DISTILLED, LEARNED, TAUGHT, HeirSpec, Practice, make_heir
 from hexwar_sb3.league.league import League
-from hexwar_sb3.league.member import CAMPS
+from hexwar_sb3.league.member import BOTH, CAMPS, NETWORKS
 from hexwar_sb3.league.picture import draw_league
-from hexwar_sb3.league.school import School
 from hexwar_sb3.league.settings import LeagueSettings
 
 NAME = "table1"
 ROWS = ("HRL0", "HRL1", "HRL2", "CAI")
-PLAYERS = ("nearest", "defender", *CONSTANT_PLANS)
-"""Columns beside the paper's; nothing was trained or selected against them, "all-main" apart."""
+BROAD = "broad warm-up"  # row of a warm-up of equal budget against a broad mixture
+FURTHER = (BROAD, DISTILLED)  # rows beside the paper's
+PLAYERS = ("nearest", "defender", "all-main", "half-half", "two-hold", "drawn-unseen")
+"""Columns beside the paper's; nothing was trained or selected against the last two."""
+PROGRESS = (*BOTS, "two-hold", "drawn-unseen")  # against whom the best of each iteration is measured
 COLUMNS = (*BOTS, "HRL0", "HRL1", *PLAYERS)
 WARM_UPS = 10_000  # games
 Say = Callable[[str], object]
@@ -44,10 +46,9 @@ class Table1:
 
     places: Places
     seeds: tuple[int, ...] = (0, 1, 2, 3)  # of the warm-ups
-    settings: LeagueSettings = field(default_factory=lambda: LeagueSettings(hidden=128))
-    lessons: Lessons = field(default_factory=Lessons)
-    school: School = field(default_factory=School)  # of CAI, after it was distilled
-    practice: Practice = field(default_factory=Practice)  # and after that
+    settings: LeagueSettings = field(default_factory=lambda: LeagueSettings(hidden=128, embed=64))
+    lessons: Lessons = field(default_factory=lambda: Lessons(games=800, updates=4_000))
+    cai_games: int = 12_000  # that CAI learns from after it was distilled
     games: int = 2_000  # a cell
     progress_games: int = 400  # a colour and opponent, for each point of the league's picture
     jobs: int = 1  # side by side
@@ -59,12 +60,21 @@ class Table1:
 
     @property
     def work(self) -> Path:
-        """The league and the heirs as they are made."""
+        """The league and CAI as they are made."""
         return self.places.work / NAME
 
     def warm_ups(self) -> list[Run]:
         """Trainings of figure 7 on this map."""
         return [pair(self.settings.scenario, seed, Budget(games=WARM_UPS))[0] for seed in self.seeds]
+
+    def broad(self) -> Run:
+        """A training of the same budget as `hexwar train` has it: a row of the table."""
+        return hrl_run(NAME, "broad", self.seeds[0], Budget(games=WARM_UPS), scenario=self.settings.scenario)
+
+    @property
+    def sides(self) -> tuple[str, ...]:
+        """Whom a model plays: each camp has its own, or one plays both."""
+        return CAMPS if self.settings.split else (BOTH,)
 
     def run(self, say: Say) -> Table | None:
         """Make what is missing; None if a warm-up failed.
@@ -78,15 +88,15 @@ class Table1:
             return self._run(say)
 
     def _run(self, say: Say) -> Table | None:
-        if carry_out(self.warm_ups(), self.places, jobs=self.jobs, say=say):
+        if carry_out([*self.warm_ups(), self.broad()], self.places, jobs=self.jobs, say=say):
             return None
         league = self.league()
         league.run(self.jobs, after=lambda k: self._after(league, k, say))
-        say("heirs: distillation, school, practice")
-        missing = [spec for spec in self.heirs(league) if not self.policy("CAI", spec.camp).is_dir()]
+        say("CAI: distillation, and learning on")
+        missing = [spec for spec in self.combined(league) if not self.policy("CAI", spec.side).is_dir()]
         if missing:
-            with measured(self.kept, "heirs", self.jobs):
-                run_jobs(make_heir, missing, self.jobs, "heir")
+            with measured(self.kept, "CAI", self.jobs):
+                run_jobs(make_cai, missing, self.jobs, "CAI")
         self._keep_policies(league)
         if not (self.kept / "league.png").exists():
             say("matches of the best of each iteration")
@@ -98,13 +108,13 @@ class Table1:
 
     def states(self) -> dict[str, str]:
         """How far each stage is."""
-        league, heirs = self.kept / "league", [self.policy("CAI", camp).is_dir() for camp in CAMPS]
+        league, combined = self.kept / "league", [self.policy("CAI", side).is_dir() for side in self.sides]
         done = [k for k in range(self.settings.iterations + 1) if (league / f"iteration_{k:02d}").is_dir()]
         played = len(list((self.kept / "matches").glob("*.json")))
         return {
-            **{f"warm-up {run.name}": self.places.state(run) for run in self.warm_ups()},
+            **{f"warm-up {run.name}": self.places.state(run) for run in (*self.warm_ups(), self.broad())},
             "iterations of the league": f"{max(done, default=0)} of {self.settings.iterations}",
-            "heirs": f"{sum(heirs)} of {len(heirs)}",
+            "CAI": f"{sum(combined)} of {len(combined)}",
             "matches": f"{played} of {len(self.meetings())}",
         }
 
@@ -122,44 +132,44 @@ class Table1:
             league.keep(self.kept / "league")
         say(f"league: iteration {k} of {self.settings.iterations} is done")
 
-    def heirs(self, league: League) -> list[HeirSpec]:
-        """One heir a camp: of the two best, taught against whom the last iteration kept, the past and bots."""
-        first, last, settings = league.kept(0), league.kept(self.settings.iterations), self.settings
+    def combined(self, league: League) -> list[CaiSpec]:
+        """CAI: of the two best, against whom the last iteration kept, the best of each before, and bots."""
+        last, settings = league.kept(self.settings.iterations), self.settings
         specs = []
-        for camp, enemy in (CAMPS, CAMPS[::-1]):
+        for side in self.sides:
+            camp = CAMPS[0] if side == BOTH else side
+            enemy = CAMPS[1 - CAMPS.index(camp)]
             share = settings.partner_share / len(last[enemy])
-            latest = {str(member.folder): share for member in last[enemy]}
-            others = league.others(settings.iterations + 1, camp)
+            weights: dict[object, float] = dict.fromkeys((str(one.folder) for one in last[enemy]), share)
+            for player, weight in league.others(settings.iterations + 1, camp):
+                weights[player] = weights.get(player, 0.0) + weight
             specs.append(
-                HeirSpec(
-                    camp=camp,
+                CaiSpec(
+                    side=side,
                     teachers=tuple(last[camp][:2]),
-                    elders=(*last[camp][:2], first[camp][0]),
                     lessons=self.lessons,
-                    school=self.school,
-                    practice=self.practice,
-                    opponents=[*latest.items(), *(one for one in others if one[0] not in latest)],
-                    rivals=league.rivals(settings.iterations + 1, camp),
-                    trial=league.terms(settings.iterations + 1, settings.trial_games),
-                    seed=(settings.seed, settings.iterations + 1),
-                    folder=self.work / "heirs" / camp,
+                    opponents=list(weights.items()),
+                    games=self.cai_games,
+                    refit_games=settings.refit_games,
+                    seed=(settings.seed, settings.iterations + 1, CAMPS.index(camp)),
+                    folder=self.work / "cai" / side,
                     env=league.env(),
-                    learner=league.learner(self.practice.games, 1),
+                    learner=league.learner(self.cai_games),
                     about=league.terms(0, 1).about(),
                 )
             )
         return specs
 
     def progress(self, league: League) -> dict[str, dict[int, Estimate]]:
-        """Win rate of the best models of each iteration, both colours, against HRL0 and the bots."""
+        """Win rate of the best models of each iteration, both colours, against HRL0, the bots and whom they never met."""
         terms = replace(self.terms, games=self.progress_games)
         best = {
             camp: {str(k): str(league.kept(k)[camp][0].folder) for k in self._iterations} for camp in CAMPS
         }
         first = league.kept(0)
         found: dict[str, dict[int, Estimate]] = {}
-        for name in ("HRL0", *BOTS):
-            rival = {camp: name if name in BOTS else str(first[camp][0].folder) for camp in CAMPS}
+        for name in ("HRL0", *PROGRESS):
+            rival = {camp: name if name in PROGRESS else str(first[camp][0].folder) for camp in CAMPS}
             reds, blues = ({**best[camp], name: rival[camp]} for camp in CAMPS)
             pairs = [(str(k), name) for k in self._iterations] + [(name, str(k)) for k in self._iterations]
             meetings = [Meeting(red=red, blue=blue, scenario=terms.scenario) for red, blue in pairs]
@@ -179,33 +189,35 @@ class Table1:
     def _keep_policies(self, league: League) -> None:
         """Copy the policies of the table."""
         first, last = league.kept(0), league.kept(self.settings.iterations)
-        for camp in CAMPS:
-            heir = self.work / "heirs" / camp
+        for side in self.sides:
+            camp, combined = CAMPS[0] if side == BOTH else side, self.work / "cai" / side
             found = {
                 "HRL0": first[camp][0].folder,
                 "HRL1": last[camp][0].folder,
                 "HRL2": last[camp][1].folder,
-                DISTILLED: heir / TAUGHT / DISTILLED,
-                "CAI": heir / LEARNED,
+                BROAD: self.places.kept(self.broad()) / "policy",
+                DISTILLED: combined / DISTILLED,
+                "CAI": combined / LEARNED,
             }
             for name, folder in found.items():
-                target = self.policy(name, camp)
+                target = self.policy(name, side)
                 if not target.exists():
                     with making(target) as made:
-                        shutil.copytree(folder, made, dirs_exist_ok=True)
+                        _copy_policy(folder, made)
 
-    def policy(self, name: str, camp: str) -> Path:
+    def policy(self, name: str, side: str) -> Path:
         """Committed folder of a policy of the table."""
-        return self.kept / "policies" / name / camp
+        return self.kept / "policies" / name.replace(" ", "-") / side
 
     def players(self, camp: str) -> dict[str, object]:
         """Players of a camp, by the name of their row or column."""
-        policies = {name: self.policy(name, camp) for name in (*ROWS, DISTILLED)}
+        side = camp if self.settings.split else BOTH
+        policies = {name: self.policy(name, side) for name in (*ROWS, *FURTHER)}
         return {**policies, **{bot: bot for bot in (*BOTS, *PLAYERS)}}
 
     def meetings(self) -> list[Meeting]:
         """Every row against every column, in both colours."""
-        rows = (*ROWS, DISTILLED, *CONSTANT_PLANS)
+        rows = (*ROWS, *FURTHER, *CONSTANT_PLANS)
         pairs = [(a, b) for row in rows for column in COLUMNS for a, b in ((row, column), (column, row))]
         return [
             Meeting(red=red, blue=blue, scenario=self.settings.scenario) for red, blue in dict.fromkeys(pairs)
@@ -221,8 +233,13 @@ class Table1:
 
     def costs(self) -> Cost:
         """Wall and core time of every stage, as far as it was measured."""
-        kept = [self.places.kept(run) for run in self.warm_ups()]
+        kept = [self.places.kept(run) for run in (*self.warm_ups(), self.broad())]
         seconds = [60.0 * minutes_on(folder) for folder in kept if (folder / FILE).exists()]
         warm_ups = {"warm-ups": {"wall_s": sum(seconds), "core_s": sum(seconds)}}
         league = [read_cost(self.kept / "league" / f"iteration_{k:02d}") for k in self._iterations]
         return added([warm_ups, *league, read_cost(self.kept)])
+
+
+def _copy_policy(folder: Path, made: Path) -> None:
+    """Copy what plays, without what learns on."""
+    shutil.copytree(folder, made, dirs_exist_ok=True, ignore=shutil.ignore_patterns(NETWORKS))

@@ -13,10 +13,10 @@ from hexwar_sb3.evaluation.intervals import Estimate, paired_interval
 from hexwar_sb3.evaluation.panel import BOTS, CONSTANT_PLANS
 from hexwar_sb3.evaluation.provenance import provenance
 from hexwar_sb3.evaluation.tournament import Meeting, Table
-from hexwar_sb3.experiments.table1 import COLUMNS, ROWS, Table1
+from hexwar_sb3.experiments.table1 import COLUMNS, FURTHER, ROWS, Table1
 from hexwar_sb3.files import replacing, write_json
+from hexwar_sb3.league.cai import DISTILLED
 from hexwar_sb3.league.cost import Cost
-from hexwar_sb3.league.heir import DISTILLED
 from hexwar_sb3.league.member import CAMPS
 
 PAPER = {  # percent as red and as blue; Tab. I
@@ -47,7 +47,7 @@ LayOut = Callable[[Sequence[str], Sequence[Sequence[str]]], str]  # heads and ro
 def rows(table: Table, scenario: str) -> list[Row]:
     """One JSON object a cell of Tab. I: row, column, camp of the row's player, figures, the paper's figure and the bar."""
     found = []
-    for name in (*ROWS, DISTILLED, *CONSTANT_PLANS):
+    for name in (*ROWS, *FURTHER, *CONSTANT_PLANS):
         for column in COLUMNS:
             for k, camp in enumerate(CAMPS):
                 cell = table.rows[meeting(name, column, camp, scenario)][camp]
@@ -192,7 +192,7 @@ def write(table: Table, pipeline: Table1, lay_out: LayOut) -> tuple[Row, str]:
     figures = {
         "command": "hexwar experiments table1",
         "settings": asdict(pipeline.settings),
-        "heirs": {name: asdict(getattr(pipeline, name)) for name in ("lessons", "school", "practice")},
+        "CAI": {"lessons": asdict(pipeline.lessons), "games": pipeline.cai_games},
         "games": pipeline.games,
         **provenance(scenario),
         "cells": cells,

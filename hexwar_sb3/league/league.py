@@ -2,8 +2,8 @@
 
 * `league.json`: settings, and what the figures depend on.
 * `iteration_00/models/NAME/`: the models that it began with; `iteration_00/table.json`: how they did against the bots.
-* `iteration_03/school/red/2-r1b1.json`: the plan of this model, of those that were kept; beside it what it learned of it.
-* `iteration_03/groups/3-r0b2/red/`: what iteration 3 made of the best red model in the group with the third best blue.
+* `iteration_03/groups/3-r0b2/both/`: what iteration 3 made of the best model in the group with the third best; with
+  `split`, `red/` and `blue/`: of the best red model and the third best blue one.
 * `iteration_03/table.json`: the round robin of all of them, who was kept, and whom they come from.
 """
 
@@ -11,11 +11,13 @@ from __future__ import annotations
 
 import re
 import shutil
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from hexwar_sb3.algorithms.presets import FALLS
+from hexwar_sb3.engine.world import load_world
 from hexwar_sb3.envs.registration import TASK_ENV, make_vec_env
 from hexwar_sb3.errors import ConfigError, FileFormatError
 from hexwar_sb3.evaluation.jobs import run_jobs
@@ -27,19 +29,17 @@ from hexwar_sb3.folders import holding
 from hexwar_sb3.kinds import read_fields
 from hexwar_sb3.league.cost import measured
 from hexwar_sb3.league.group import GroupSpec, train_group
-from hexwar_sb3.league.judge import Rivals
-from hexwar_sb3.league.member import CAMPS, Member
-from hexwar_sb3.league.school import Pupil, Search, go_to_school, search
+from hexwar_sb3.league.member import BOTH, CAMPS, Member
 from hexwar_sb3.league.selection import Standing, play_all, select, standings
-from hexwar_sb3.league.settings import EXPLORING_SHARE, LEARNER, LeagueSettings
+from hexwar_sb3.league.settings import LeagueSettings
 from hexwar_sb3.league.work import Opponents, env_settings, env_steps, job_seed
 from hexwar_sb3.play.frozen import FrozenPolicy
 from hexwar_sb3.policies.shapes import TaskShapes
 from hexwar_sb3.reading import check_names, read_json
+from hexwar_sb3.tasks.hotspots import is_mirrored
 
-FORMAT = "hexwar league 1"
+FORMAT = "hexwar league 2"
 TABLE_KEYS = ("iteration", "kept", "standings", "red_win_rates")  # of an iteration's table
-FIRST = ".first"  # file of the plan of the very first best; no model is called like that
 NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]{0,79}")
 Generation = dict[str, list[Member]]  # by camp, the best first
 
@@ -227,7 +227,11 @@ class League:
         if k == 0:
             return {camp: self.starters(camp) for camp in CAMPS}
         names = [group_name(k, i, j) for i in range(self.settings.keep) for j in range(self.settings.keep)]
-        return {camp: [Member(camp, name, self.group(k, name) / camp) for name in names] for camp in CAMPS}
+        folders = {camp: camp if self.settings.split else BOTH for camp in CAMPS}
+        return {
+            camp: [Member(camp, name, self.group(k, name) / folders[camp]) for name in names]
+            for camp in CAMPS
+        }
 
     def group(self, k: int, name: str) -> Path:
         """Folder of a group of an iteration."""
@@ -253,9 +257,6 @@ class League:
                 after(k)
 
     def _iterate(self, k: int, jobs: int) -> None:
-        if self.settings.school_rounds:
-            with measured(self.iteration(k), "school", jobs):
-                self._hold_school(k, jobs)
         with measured(self.iteration(k), "groups", jobs):
             self._train_groups(k, jobs)
         with measured(self.iteration(k), "round robin", jobs):
@@ -265,130 +266,61 @@ class League:
         """Order the first models by their games against the bots; the best of a colour is HRL0."""
         if self.is_done(0):
             return
-        rows, kept, terms = {}, {}, self.terms(0, self.settings.warm_up_games)
+        rows, terms = {}, self.terms(0, self.settings.warm_up_games)
         bots: dict[str, object] = {bot: bot for bot in BOTS}
         for camp in CAMPS:
             models: dict[str, object] = {member.name: member.folder for member in self.starters(camp)}
             red, blue = (models, bots) if camp == "red" else (bots, models)
             table = play_all(red, blue, terms, self.iteration(0) / "matches" / camp, jobs=jobs)
-            rows[camp], kept[camp] = standings(table, camp), select(table, self.settings.keep)[camp]
+            rows[camp] = standings(table, camp)
+        kept = select(rows, self.settings.keep, split=self.settings.split)
         write_json(self.table(0), {"iteration": 0, "kept": kept, "standings": rows})
-
-    def _hold_school(self, k: int, jobs: int) -> None:
-        searches = {one.file: one for found in self.searches(k).values() for one in found}
-        run_jobs(search, [one for one in searches.values() if not one.file.exists()], jobs, "plan")
-        run_jobs(go_to_school, [one for one in self.pupils(k) if not one.folder.is_dir()], jobs, "pupil")
 
     def _train_groups(self, k: int, jobs: int) -> None:
         run_jobs(train_group, [spec for spec in self.specs(k) if not spec.folder.is_dir()], jobs, "group")
-
-    def searches(self, k: int) -> dict[tuple[str, str], list[Search]]:
-        """Searches for plans of iteration k, by camp and name of a model that was kept: its own, and the very first best's.
-
-        The opponents are those that its games will be against: the enemies that were kept, the enemy's first best, and bots.
-        """
-        settings, kept, first = self.settings, self.kept(k - 1), self.kept(0)
-        place, terms = self.iteration(k) / "school", self.terms(k, 1)
-        found = {}
-        for camp, enemy in (CAMPS, CAMPS[::-1]):
-            weights: dict[object, float] = {}
-            for players, share in (
-                ([str(one.folder) for one in kept[enemy]], settings.partner_share),
-                (self.rivals(k, camp).models, settings.past_share),
-                (settings.bots, settings.bots_share),
-            ):
-                for player in players:
-                    weights[player] = weights.get(player, 0.0) + share / len(players)
-            opponents = [one for one in weights.items() if one[1] > 0]
-            for member in kept[camp]:
-                found[camp, member.name] = [
-                    Search(
-                        policy=policy,
-                        opponents=opponents,
-                        planning=settings.school.planning,
-                        terms=terms,
-                        file=place / camp / f"{name}.json",
-                    )
-                    for policy, name in ((member, member.name), (first[camp][0], FIRST))
-                ]
-        return found
-
-    def pupils(self, k: int) -> list[Pupil]:
-        """Models that were kept before iteration k, with the plans that they may learn."""
-        settings, kept, searches = self.settings, self.kept(k - 1), self.searches(k)
-        return [
-            Pupil(
-                searches=searches[camp, member.name],
-                school=settings.school,
-                seed=(settings.seed, k, place, len(CAMPS) + CAMPS.index(camp)),
-                folder=self._schooled(k, member).folder,
-                env=self.env(),
-                learner=self.learner(settings.games, k),
-                about=self.terms(0, 1).about(),
-            )
-            for camp in CAMPS
-            for place, member in enumerate(dict.fromkeys(kept[camp]))  # who fills several places goes once
-        ]
-
-    def _schooled(self, k: int, member: Member) -> Member:
-        """A model that was kept, as it left the school of iteration k."""
-        return replace(member, folder=self.iteration(k) / "school" / member.camp / member.name)
 
     def specs(self, k: int) -> list[GroupSpec]:
         """What the groups of an iteration depend on: the models that were kept, and those before them."""
         kept, settings = self.kept(k - 1), self.settings
         others = {camp: self.others(k, camp) for camp in CAMPS}
-        rivals = {camp: self.rivals(k, camp) for camp in CAMPS}
-        if settings.school_rounds:
-            kept = {camp: [self._schooled(k, one) for one in members] for camp, members in kept.items()}
         return [
             GroupSpec(
                 members={"red": kept["red"][i], "blue": kept["blue"][j]},
                 others=others,
                 partner_share=settings.partner_share,
+                split=settings.split,
                 games=settings.games,
-                rounds=settings.rounds,
-                anchor=settings.anchor,
                 refit_games=settings.refit_games,
-                rivals=rivals,
-                trial=self.terms(k, settings.trial_games),
                 seed=(settings.seed, k, i, j),
                 folder=self.group(k, group_name(k, i, j)),
                 env=self.env(),
-                learner=self.learner(settings.games, k),
+                learner=self.learner(settings.games),
                 about=self.terms(0, 1).about(),
             )
             for i in range(settings.keep)
             for j in range(settings.keep)
         ]
 
-    def learner(self, games: int, k: int) -> dict[str, Any]:
-        """Arguments of QMIX for so many games of iteration k."""
-        settings = self.settings
-        exploring = max(1, int(EXPLORING_SHARE * (settings.refit_games + games)))
-        given = {"exploration_episodes": exploring, **settings.learner}
-        rate = given.get("learning_rate", LEARNER["learning_rate"]) * settings.cooling ** (k - 1)
-        widths = {"hidden": settings.hidden, "embed": settings.embed}
-        return {**given, "learning_rate": rate, "policy_kwargs": widths}
+    def learner(self, games: int) -> dict[str, Any]:
+        """Arguments of QMIX for so many games."""
+        falls = {name: max(1, int(share * games)) for name, share in FALLS.items()}
+        widths = {"hidden": self.settings.hidden, "embed": self.settings.embed}
+        return {**falls, **self.settings.learner, "policy_kwargs": {**widths, "mirrored": self._is_mirrored}}
+
+    @property
+    def _is_mirrored(self) -> bool:
+        """Whether models do not see which camp they play."""
+        return is_mirrored(load_world(self.settings.scenario).scenario)
 
     def others(self, k: int, camp: str) -> Opponents:
-        """Whom models of a colour meet beside their partners: the best of the iterations before, and bots.
-
-        Half of the past is the very first best, so that progress has a fixed measure.
-        """
+        """Whom models of a colour meet beside their partners: the best of the iterations before, and bots."""
         settings = self.settings
-        first, *later = (str(member.folder) for member in self._best_before(k, camp))
-        half = settings.past_share / (2 if later else 1)
-        shares = (([first], half), (later, settings.past_share - half), (settings.bots, settings.bots_share))
-        return [
-            (player, share / len(players)) for players, share in shares for player in players if share > 0
-        ]
-
-    def rivals(self, k: int, camp: str) -> Rivals:
-        """Whom versions of a model are judged against: the enemy's first and latest best, and bots."""
-        before = self._best_before(k, camp)
-        ends = dict.fromkeys(str(member.folder) for member in (before[0], before[-1]))
-        return Rivals(tuple(ends), self.settings.bots, self.settings.bots_share)
+        past = dict.fromkeys((str(member.folder) for member in self._best_before(k, camp)), 1.0)
+        found: list[tuple[object, float]] = []
+        for players, share in ((past, settings.past_share), (settings.weights, settings.bots_share)):
+            total = sum(players.values())
+            found += [(player, share * weight / total) for player, weight in players.items() if share > 0]
+        return found
 
     def _best_before(self, k: int, camp: str) -> list[Member]:
         """The best of the other colour, of each iteration before k."""
@@ -397,23 +329,23 @@ class League:
 
     def _select(self, k: int, jobs: int) -> None:
         models = self.models(k)
-        reds, blues = ({one.name: one.folder for one in _distinct(models[camp])} for camp in CAMPS)
+        reds, blues = ({one.name: one.folder for one in models[camp]} for camp in CAMPS)
         terms = self.terms(k, self.settings.match_games)
-        table = play_all(
-            reds, blues, terms, self.iteration(k) / "matches", bots=self.settings.bots, jobs=jobs
-        )
-        bots, share = self.settings.bots, self.settings.bots_share
+        bots, share = tuple(self.settings.weights), self.settings.worst_share
+        table = play_all(reds, blues, terms, self.iteration(k) / "matches", bots=bots, jobs=jobs)
         rows = {camp: standings(table, camp, bots, share) for camp in CAMPS}
         before = self.kept(k - 1)
         for camp in CAMPS:
             for row in rows[camp]:
-                row["parent"] = before[camp][parent_of(row["name"], camp)].name
+                row["parent"] = before[camp][
+                    parent_of(row["name"], camp if self.settings.split else "red")
+                ].name
         wins = {
             f"{meeting.red} {meeting.blue}": row["red"]["win_rate"] for meeting, row in table.rows.items()
         }
         found = {
             "iteration": k,
-            "kept": select(table, self.settings.keep, bots, share),
+            "kept": select(rows, self.settings.keep, split=self.settings.split),
             "standings": rows,
             "red_win_rates": wins,
         }
@@ -451,7 +383,10 @@ class League:
             generation = self.models(0) if k == 0 else self.kept(k) if models else {}
             for members in generation.values():
                 for member in members if k in (0, done[-1]) else members[:1]:
-                    member.policy().save(new / member.folder.relative_to(self.folder))
+                    place = new / member.folder.relative_to(self.folder)
+                    member.policy().save(place)
+                    if k == done[-1] and member.networks.is_file():
+                        shutil.copyfile(member.networks, place / member.networks.name)
         old = folder.with_name(f".old-{folder.name}")
         shutil.rmtree(old, ignore_errors=True)
         if folder.exists():
@@ -463,11 +398,14 @@ class League:
     def env_steps(self) -> int:
         """Env steps of all groups together, mixers that were refitted apart."""
         groups = self.settings.keep**2 * self.settings.iterations
-        return 2 * groups * env_steps(self.env(), self.settings.games)
+        return (1 + self.settings.split) * groups * env_steps(self.env(), self.settings.games)
 
     def env(self) -> dict[str, Any]:
         """Settings of the task env."""
-        return env_settings(self.terms(0, 1), self.settings.n_envs)
+        return {
+            **env_settings(self.terms(0, 1), self.settings.n_envs),
+            "priority": self.settings.priority,
+        }
 
 
 def _named(row: object) -> dict[str, Any]:
@@ -484,14 +422,6 @@ def parent_of(name: str, camp: str) -> int:
     """Place of a model's parent among the models of its colour that were kept."""
     red, _, blue = name.partition("-r")[2].partition("b")
     return int(red if camp == "red" else blue)
-
-
-def _distinct(members: Sequence[Member]) -> list[Member]:
-    """Leave out who plays as one before: a model that was best as it entered leaves several groups alike."""
-    found: dict[str, Member] = {}
-    for member in members:
-        found.setdefault(member.policy().sha256, member)
-    return list(found.values())
 
 
 def _difference(mine: LeagueSettings, other: LeagueSettings) -> str:
@@ -513,8 +443,11 @@ def _check_starters(policies: Mapping[str, FrozenPolicy], settings: LeagueSettin
             most = {"hidden": settings.hidden, "embed": settings.embed}
             raise ConfigError(f"{name} is wider than the league's models: {widths}, not {most}")
     for camp in CAMPS:
-        if not any(policy.about.get("side", "both") in (camp, "both") for policy in policies.values()):
+        if not any(policy.about.get("side", BOTH) in (camp, BOTH) for policy in policies.values()):
             raise ConfigError(f"no model to begin with for {camp}")
+    for name, policy in policies.items():
+        if not settings.split and (side := policy.about.get("side", BOTH)) != BOTH:
+            raise ConfigError(f"{name} plays {side} alone: it needs a league of split=True")
     ways = {name: {**trained_terms(policy), "scenario": ""} for name, policy in policies.items()}
     for name, way in ways.items():
         if way != (first := next(iter(ways.values()))):

@@ -1,22 +1,31 @@
-"""A member of a league: a policy's folder of one colour."""
+"""A member of a league: a policy's folder, and beside the policy the model that learns on."""
 
 from __future__ import annotations
 
+import hashlib
 from dataclasses import dataclass
 from pathlib import Path
 
 from hexwar_sb3.algorithms.qmix import QMIX
+from hexwar_sb3.algorithms.tensors import checked_weights, pack, unpack
+from hexwar_sb3.errors import CheckpointError
 from hexwar_sb3.play.frozen import FrozenPolicy
+from hexwar_sb3.policies.task_policy import TaskPolicy
+from hexwar_sb3.reading import read_bytes
 from hexwar_sb3.rules.ruleset import default_rules
 
 CAMPS = ("red", "blue")
+BOTH = "both"
+NETWORKS = "networks.safetensors"
+MOST_BYTES = 1 << 26
+HASH = "networks"  # in the policy's config: the file's sha256
 
 
 @dataclass(frozen=True)
 class Member:
-    """A policy of one colour in the league's folder."""
+    """A model of one camp or of both, in the league's folder."""
 
-    camp: str
+    camp: str  # that it plays here
     name: str
     folder: Path
 
@@ -28,7 +37,37 @@ class Member:
         """
         return FrozenPolicy.load(self.folder, rules=default_rules().hash)
 
+    @property
+    def networks(self) -> Path:
+        """File of all that learns on, mixer and targets included; models that the league begins with have none."""
+        return self.folder / NETWORKS
+
 
 def as_member(model: QMIX, **about: str) -> FrozenPolicy:
     """What a model plays by."""
     return model.policy.freeze(rules=default_rules().hash, **about)
+
+
+def leave(model: QMIX, folder: Path, **about: str) -> None:
+    """Write a member's folder: the policy, which is a mean of the last updates, and what learns on."""
+    data = pack(model.policy.state_dict())
+    told = {**about, HASH: hashlib.sha256(data).hexdigest()}
+    model.policy.freeze_settled(rules=default_rules().hash, **told).save(folder)
+    (folder / NETWORKS).write_bytes(data)
+
+
+def read_networks(member: Member, policy: TaskPolicy) -> None:
+    """Take over all networks that `leave` wrote.
+
+    Raises:
+        PolicyFileError: the policy beside them is broken.
+        CheckpointError: they are, or they are of another model.
+    """
+    path = member.networks
+    data = read_bytes(path, MOST_BYTES, CheckpointError, "networks as safetensors")
+    if hashlib.sha256(data).hexdigest() != member.policy().about.get(HASH):
+        raise CheckpointError(
+            path, "sha256", found="other networks", expected="those that the policy's config names"
+        )
+    tensors = unpack(data, path, "networks")
+    policy.load_state_dict(checked_weights(policy, tensors, path, "networks"))

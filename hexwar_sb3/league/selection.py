@@ -6,9 +6,12 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from hexwar_sb3.evaluation.intervals import wilson
 from hexwar_sb3.evaluation.panel import Terms
 from hexwar_sb3.evaluation.tournament import Meeting, Table, play_meetings
+from hexwar_sb3.league.member import CAMPS
 
 Standing = dict[str, Any]  # name, win_rate with its interval, mean_margin
 
@@ -104,17 +107,25 @@ def standings(table: Table, camp: str, bots: Sequence[str] = (), bots_share: flo
     return sorted(found, key=lambda one: (-one["win_rate"], -one["mean_margin"], one["name"]))
 
 
-def select(
-    table: Table, keep: int, bots: Sequence[str] = (), bots_share: float = 0.0
-) -> dict[str, Sequence[str]]:
-    """Names of the best models of each colour, the best first; repeated where there are fewer.
+def select(rows: Mapping[str, Sequence[Standing]], keep: int, *, split: bool) -> dict[str, list[str]]:
+    """Names of the best models by colour, the best first; repeated where there are fewer.
+
+    Args:
+        rows: standings by colour.
+        keep: how many.
+        split: each colour has models of its own; else the mean of both colours counts.
 
     Example:
-        >>> select(table, keep=4)["red"]
+        >>> select(rows, keep=4, split=True)["red"]
         ['3-r0b2', '3-r1b2', '3-r0b0', '3-r3b2']
     """
-    kept: dict[str, Sequence[str]] = {}
-    for camp in ("red", "blue"):
-        names = [one["name"] for one in standings(table, camp, bots, bots_share)]
+    kept: dict[str, list[str]] = {}
+    for camp in CAMPS:
+        of = rows if not split else {camp: rows[camp]}
+        scores: dict[str, list[tuple[float, float]]] = {}
+        for row in (row for standing in of.values() for row in standing):
+            scores.setdefault(row["name"], []).append((row["win_rate"], row["mean_margin"]))
+        means = {name: tuple(np.mean(found, axis=0)) for name, found in scores.items()}
+        names = sorted(means, key=lambda name: (*(-value for value in means[name]), name))
         kept[camp] = [names[k % len(names)] for k in range(keep)]
     return kept

@@ -10,44 +10,44 @@ from hexwar_sb3.algorithms.qmix import QMIX
 from hexwar_sb3.algorithms.ranges import check_settings
 from hexwar_sb3.bots.registry import BOTS, is_bot
 from hexwar_sb3.checks import check_whole
-from hexwar_sb3.envs.settings import check_share
+from hexwar_sb3.envs.settings import check_flag, check_priority, check_share
 from hexwar_sb3.errors import ConfigError, UnknownNameError
-from hexwar_sb3.league.distil import Lessons
-from hexwar_sb3.league.plans import Planning
-from hexwar_sb3.league.school import School
+from hexwar_sb3.evaluation.opponents import OPPONENTS, with_weights
 
 LEARNER: dict[str, Any] = {
-    "learning_rate": 1e-3,  # of the first iteration
-    "learning_starts": 0,
-    "tau": 0.005,  # a model plays as the mean of its last updates
-    "buffer_size": 17_000,  # a group's games
-    "stickiness": 0.97,  # a random task lasts for most of a game
-    "exploration_initial_eps": 0.01,
-    "exploration_final_eps": 0.002,
+    "learning_rate": 5e-4,
+    "final_learning_rate": 5e-5,
+    "learning_starts": 0,  # before it all pieces would play at random
+    "tau": 0.005,
+    "exploration_initial_eps": 0.05,
+    "exploration_final_eps": 0.005,
+    "squad_initial_share": 0.1,
+    "squad_final_share": 0.02,
 }
-"""Arguments of QMIX for a model that learns on; epsilon falls over the first 60 % of its games, with those of the refit."""
+"""Arguments of QMIX for a model that learns on, where they differ from its own defaults."""
 
-EXPLORING_SHARE = 0.6
 LEARNS_BY = (
-    *("learning_rate", "batch_size", "buffer_size", "learning_starts", "gradient_steps", "tau", "gamma"),
+    *(
+        "learning_rate",
+        "final_learning_rate",
+        "batch_size",
+        "buffer_size",
+        "learning_starts",
+        "gradient_steps",
+    ),
+    *("tau", "gamma"),
     *("mixer", "n_steps", "td_lambda", "double_q", "loss", "reward_scale", "stickiness", "max_grad_norm"),
     *("exploration_initial_eps", "exploration_final_eps", "exploration_episodes", "exploration_every"),
+    *("squad_initial_share", "squad_final_share", "squad_episodes"),
 )
 """Arguments of QMIX that a league may set; none of them names a file."""
 MOST = {"buffer_size": 1_000_000, "batch_size": 65_536, "gradient_steps": 1_000, "n_steps": 1_000}
 """Limits of those that cost memory or time."""
-MOST_TRIALS = 100_000
-SURVIVORS = (10, 3, 1)  # of the orders that are tried, after each of the trials
 RANGES = {
     "iterations": (0, 1_000),
     "keep": (1, 16),
     "games": (1, 1_000_000),
-    "rounds": (1, 1_000),
     "refit_games": (0, 100_000),
-    "school_rounds": (0, 1_000),
-    "school_games": (1, 100_000),
-    "school_updates": (1, 1_000_000),
-    "trial_games": (1, 100_000),
     "match_games": (1, 100_000),
     "warm_up_games": (1, 100_000),
     "seed": (0, 999_999),
@@ -59,25 +59,19 @@ RANGES = {
 
 @dataclass(frozen=True, kw_only=True)
 class LeagueSettings:
-    """Grouped self-play as in III-C and IV-A; beside it school, opponents of the past and bots."""
+    """Grouped self-play as in III-C and IV-A; whom a model meets beside its partner is weighed by its losses."""
 
     iterations: int = 10
     keep: int = 4  # models of each colour that an iteration keeps; keep * keep groups train
-    school_rounds: int = 1  # of lessons, for those that were kept; 0: none, as in the paper
-    school_games: int = 64  # of a round, against each opponent of the school
-    school_updates: int = 1_200  # of a round
-    school_trials: tuple[int, ...] = (16, 48, 120)  # games in which an order is tried
-    games: int = 200  # that each of the two models of a group then learns from by itself
-    rounds: int = 2  # parts of them: red and blue learn in turn
-    anchor: float = 0.1  # weight of staying near what entered the group; 0: as in the paper
-    partner_share: float = 0.2  # of these games against the partner
-    past_share: float = 0.3  # against the best of the iterations before; half of them are the very first's
-    # of these games the rest; the worst result against one of them weighs as much in the average that selects
-    bots: tuple[str, ...] = ("MA1", "MA2", "all-main")
-    refit_games: int = 50  # before them, in which the mixer alone learns: it is new, the replay empty
-    cooling: float = 0.85  # an iteration's learning rate, as part of that before it
-    trial_games: int = 60  # of a version against each of its rivals; the best is the group's
-    match_games: int = 50  # of each pairing in the round robin that selects
+    split: bool = False  # red and blue models of their own, as in the paper; else each plays both camps
+    games: int = 1_200  # that each model of a group learns from
+    partner_share: float = 0.2  # of the weights, for the partner of the group
+    past_share: float = 0.3  # for the best of the iterations before
+    bots: tuple[str, ...] = OPPONENTS  # for them the rest, NAME or NAME=WEIGHT
+    worst_share: float = 0.5  # of a model's score that selects: the bot that it does worst against
+    priority: float = 1.0  # exponent by which those who beat the model are met more often
+    refit_games: int = 50  # in which the mixer alone learns, of models that come without one
+    match_games: int = 40  # of each pairing in the round robin that selects
     warm_up_games: int = 400  # against each of MA1 and MA2, to choose the first models
     scenario: str = "plain"
     seed: int = 0
@@ -95,40 +89,32 @@ class LeagueSettings:
         """
         for name, (least, most) in RANGES.items():
             check_whole(name, getattr(self, name), least=least, most=most)
-        for name in ("partner_share", "past_share", "cooling"):
+        for name in ("partner_share", "past_share", "worst_share"):
             check_share(name, check_number(name, getattr(self, name)))
-        if not 0.0 <= check_number("anchor", self.anchor) < float("inf"):
-            raise ConfigError(f"anchor must be finite and at least 0, got {self.anchor}")
+        check_flag("split", self.split)
+        check_priority(self.priority)
         named: tuple[object, ...] = (self.scenario, *self.bots)
         if not all(isinstance(name, str) for name in named):
             raise ConfigError(f"scenario and bots are names, got {self.scenario!r} and {self.bots!r}")
-        for bot in self.bots:
+        for bot in self.weights:
             if not is_bot(bot):
                 raise UnknownNameError("bot", bot, BOTS)
-        if len(set(self.bots)) < len(self.bots):
-            raise ConfigError(f"each of the bots is named once, got {self.bots!r}")
         total = self.partner_share + self.past_share
         if total > 1.0:
             raise ConfigError(f"partner_share and past_share must add up to at most 1, got {total}")
         if total < 1.0 and not self.bots:
             raise ConfigError("without bots, partner_share and past_share must add up to 1")
-        if not 1 <= len(self.school_trials) <= len(SURVIVORS):
-            raise ConfigError(f"school_trials are 1 to {len(SURVIVORS)} numbers, got {self.school_trials}")
-        for games in self.school_trials:
-            check_whole("games of school_trials", games, least=1, most=MOST_TRIALS)
         self._check_learner()
 
     @property
-    def bots_share(self) -> float:
-        """Of the games, against bots."""
-        return 1.0 - self.partner_share - self.past_share if self.bots else 0.0
+    def weights(self) -> dict[str, float]:
+        """Bots that are met, and their weights."""
+        return with_weights(self.bots) if self.bots else {}
 
     @property
-    def school(self) -> School:
-        """Of models that were kept."""
-        lessons = Lessons(games=self.school_games, epsilon=0.03, updates=self.school_updates, batch_size=64)
-        trials = tuple(zip(self.school_trials, SURVIVORS, strict=False))
-        return School(lessons=lessons, rounds=self.school_rounds, planning=Planning(trials=trials))
+    def bots_share(self) -> float:
+        """Of the weights, for bots."""
+        return 1.0 - self.partner_share - self.past_share if self.bots else 0.0
 
     def _check_learner(self) -> None:
         check_number("learning_rate of the learner", self.learner.get("learning_rate", 0.0))

@@ -11,13 +11,12 @@ from typing import Any
 import numpy as np
 import torch
 
-from hexwar_sb3.algorithms.anchored import AnchoredQMIX
 from hexwar_sb3.algorithms.qmix import QMIX
 from hexwar_sb3.engine.world import load_world
-from hexwar_sb3.envs.registration import make_vec_env
+from hexwar_sb3.envs.registration import TASK_ENV, make_vec_env
 from hexwar_sb3.evaluation.panel import Terms
 from hexwar_sb3.evaluation.seeds import SEEDS_PER_PURPOSE, Purpose, seed_for
-from hexwar_sb3.play.frozen import FrozenPolicy
+from hexwar_sb3.league.member import Member, read_networks
 
 Opponents = Sequence[tuple[object, float]]  # player, weight
 
@@ -33,23 +32,27 @@ class Training:
     about: Mapping[str, str]  # texts for the policies' folders
 
 
-def begin(
-    policy: FrozenPolicy, env: Mapping[str, Any], learner: Mapping[str, Any], seed: int, anchor: float = 0.0
-) -> QMIX:
-    """Make a learner that goes on where a policy left off.
+def begin(member: Member, env: Mapping[str, Any], learner: Mapping[str, Any], seed: int) -> QMIX:
+    """Make a learner that goes on where a member left off; its optimiser and its replay are new.
 
     Args:
-        policy: agent network and lower level; a narrower network is widened.
+        member: with its networks, or the policy alone: then the mixer is new, and a narrower network is widened.
         env: settings of the task env.
         learner: arguments of QMIX.
         seed: of learner and games, in 0..999999.
-        anchor: weight of staying near the policy.
+
+    Raises:
+        PolicyFileError: the policy's folder is broken.
+        CheckpointError: its networks are, or they are others than this learner's.
     """
-    games = make_vec_env(
-        "HexWarTask-v0", seed=seed_for(Purpose.TRAINING, seed), **{**env, "lower": policy.lower}
-    )
-    model = AnchoredQMIX("TaskPolicy", games, seed=seed, anchor_weight=anchor, **learner)
-    model.take_over(policy)
+    policy = member.policy()
+    games = make_vec_env(TASK_ENV, seed=seed_for(Purpose.TRAINING, seed), **{**env, "lower": policy.lower})
+    model = QMIX("TaskPolicy", games, seed=seed, **learner)
+    if member.networks.is_file():
+        read_networks(member, model.policy)
+        model.lead_with(policy.lower)
+    else:
+        model.take_over(policy)
     return model
 
 
@@ -78,7 +81,7 @@ def job_seed(*numbers: int) -> int:
 
 @contextmanager
 def one_thread() -> Iterator[None]:
-    """Let torch use one thread: as fast as two here, and jobs run side by side."""
+    """Let torch use one thread: results have the same bits everywhere, and jobs run side by side."""
     before = torch.get_num_threads()
     torch.set_num_threads(1)
     try:

@@ -16,7 +16,6 @@ from hexwar_sb3.play.flat import FlatPlayer
 from hexwar_sb3.play.frozen import FrozenPolicy
 from hexwar_sb3.play.look import camp_sizes
 from hexwar_sb3.play.player import BotPlayer, ModelPlayer, Seat, seat_name
-from hexwar_sb3.play.standing_orders import LedPolicy
 from hexwar_sb3.rules.enums import Camp
 from hexwar_sb3.tasks.records import MAX_TASKS
 from hexwar_sb3.tasks.route import N_ANSWERS
@@ -48,11 +47,6 @@ def why_unfit(seat: Seat, world: World, camp: int) -> str | None:
         return None
     shapes = _shapes(world, camp)
     pieces, tasks = shapes["action_mask"]
-    if isinstance(seat, LedPolicy):
-        led, order = why_unfit(seat.policy, world, camp), seat.order
-        if led is None and not all(0 <= slot < pieces for slot in order.pieces):
-            return f"its order is to the pieces {order.pieces}, there are {pieces}"
-        return led
     if isinstance(seat, FrozenPolicy):
         found = (seat.n_pieces, seat.n_tasks, seat.sizes["obs"], seat.sizes["task"])
         expected = (pieces, tasks, shapes["obs"][-1], shapes["tasks"][-1])

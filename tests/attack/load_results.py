@@ -28,7 +28,7 @@ from tests.attack.tricks import (
     rewrite,
     swapped,
 )
-from tests.attack.tricks_json import HERE, json_tricks, with_value
+from tests.attack.tricks_json import json_tricks, with_value
 from tests.attack.valid import WEIGHTS
 
 
@@ -115,32 +115,20 @@ def _rounded(value: Any) -> Any:
 
 
 def league_cases(folder: Path) -> Iterator[Case]:
-    plan = "iteration_01/school/red/one.json"
+    networks = "iteration_01/groups/1-r0b0/both/networks.safetensors"
     tables = ("iteration_00/table.json", "iteration_01/table.json")
-    for file in ("league.json", *tables, plan, "iteration_01/cost.json"):
+    for file in ("league.json", *tables, "iteration_01/cost.json"):
         yield from of_file(file, json_tricks, folder)
         yield from place_cases(file)
         if file != "iteration_01/cost.json":
             yield from of_file(file, byte_tricks, folder)
-    order = '{"pieces": %s, "spot": %s, "ticks_left": %s}'
-    for one in (
-        order % ("[0]", "0", "100"),
-        order % ("[0.0]", "0", "100"),
-        order % ("[true]", "0", "1"),
-        order % ("[0, 0]", "10000", "1"),
-    ):
-        yield Case("json value", f"a plan of {one}", partial(rewrite, plan, partial(_all_orders, one)))
+    yield from place_cases(networks)
+    yield from of_file(networks, byte_tricks, folder)
     yield copied_over(
         "a model is another",
         folder.parent / "others" / "policy" / WEIGHTS,
         f"iteration_00/models/one/{WEIGHTS}",
     )
-
-
-def _all_orders(order: str, data: bytes) -> bytes:
-    plan = json.loads(data)
-    plan["orders"] = [HERE] * len(plan["orders"])
-    return json.dumps(plan).replace(f'"{HERE}"', order).encode()
 
 
 def league_attempt(root: Path) -> Attempt:
@@ -150,12 +138,12 @@ def league_attempt(root: Path) -> Attempt:
     good = {k: {camp: [one.name for one in known.kept(k)[camp]] for camp in ("red", "blue")} for k in (0, 1)}
 
     def attempt(folder: Path) -> None:
-        from dataclasses import asdict
+        from dataclasses import asdict, replace
 
         from hexwar_sb3.commands.selfplay import in_words
         from hexwar_sb3.league.cost import added, read_cost
         from hexwar_sb3.league.picture import draw_league
-        from hexwar_sb3.league.school import best_plan
+        from hexwar_sb3.league.work import begin
 
         league = act(lambda: League.open(folder))
         values = said((folder / "league.json").read_bytes())
@@ -168,12 +156,9 @@ def league_attempt(root: Path) -> Attempt:
             for members in league.models(k).values():
                 for member in members:
                     member.policy()
-        for searches in league.searches(1).values():
-            _, plan = act(partial(best_plan, searches))
-            check(
-                finite(plan.win_rates) and all(0 <= rate <= 1 for rate in plan.win_rates),
-                "win rates of a plan",
-            )
+        spec = replace(league, settings=replace(league.settings, iterations=2)).specs(2)[0]
+        env = {**spec.env, "side": "both", "opponent": "MA1"}
+        act(lambda: begin(spec.members["red"], env, spec.learner, 0))
         added([read_cost(folder / "iteration_01"), read_cost(folder / "iteration_01")])
         act(lambda: league.specs(1))
         act(lambda: draw_league(league, {}, folder / "league.png"))

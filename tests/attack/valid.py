@@ -219,21 +219,13 @@ def league_settings() -> Any:
     from hexwar_sb3.league.settings import LeagueSettings
 
     learner = {"learning_starts": 0, "buffer_size": 100, "batch_size": 4, "learning_rate": 1e-3}
-    games = {
-        "games": 2,
-        "rounds": 1,
-        "refit_games": 0,
-        "trial_games": 1,
-        "match_games": 2,
-        "warm_up_games": 2,
-    }
-    school = {"school_rounds": 1, "school_games": 1, "school_updates": 1, "school_trials": (1,)}
-    how: dict[str, Any] = {**games, **school, "learner": learner, "n_envs": 2, **SMALL_NETS, "bots": ("MA1",)}
+    games = {"games": 2, "refit_games": 0, "match_games": 2, "warm_up_games": 2, "n_envs": 2}
+    how: dict[str, Any] = {**games, "learner": learner, **SMALL_NETS, "bots": ("MA1",)}
     return LeagueSettings(iterations=1, keep=1, scenario=SCENARIO, **how)
 
 
 def league(root: Path) -> None:
-    """A league after its first iteration, with school."""
+    """A league after its first iteration."""
     from hexwar_sb3.league.league import League
 
     League.create(root / "league", league_settings(), {"one": root / "policy"}).run()

@@ -46,7 +46,7 @@ def test_minutes_of_earlier_parts_count(tmp_path: Path) -> None:
         ('{"n_envs": 1000000000}', "config.json: settings: found n_envs must be at most 1024"),
         ('{"n_envs": true}', "config.json: n_envs: found True; expected a whole number or null"),
         ('{"opponents": "MA1"}', "config.json: opponents: found 'MA1'; expected a list"),
-        ('{"opponents": []}', "config.json: settings: found name at least one opponent"),
+        ('{"opponents": ["self"]}', "config.json: settings: found name at least one opponent beside itself"),
         ('{"side": "green"}', "config.json: side: found 'green'; expected 'red' or 'blue' or 'both'"),
         ('{"learning_rate": NaN}', "config.json: text: found NaN, which is no number"),
         ('{"learning_rate": -1.0}', "config.json: settings: found learning_rate must be above 0"),

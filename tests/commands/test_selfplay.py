@@ -15,22 +15,7 @@ from hexwar_sb3.league.member import as_member
 from hexwar_sb3.league.settings import LeagueSettings
 from hexwar_sb3.play.frozen import FrozenPolicy
 
-FEW = (
-    "--keep",
-    "1",
-    "--iterations",
-    "1",
-    "--school-rounds",
-    "0",
-    "--games",
-    "2",
-    "--trial-games",
-    "1",
-    "--match-games",
-    "1",
-    "--warm-up-games",
-    "2",
-)
+FEW = ("--keep", "1", "--iterations", "1", "--games", "2", "--match-games", "1", "--warm-up-games", "2")
 
 
 def run(*arguments: str) -> int:
@@ -61,6 +46,9 @@ def test_a_league_is_begun_and_gone_on_with(
     kept = json.loads(capsys.readouterr().out)["kept"]
 
     assert [Path(path).parent.name for path in kept["red"]] == ["1-r0b0"]
+    assert FrozenPolicy.load(kept["blue"][0]).about["side"] == "both"
+    assert run("selfplay", *starters, *FEW, "--split", "--output", str(tmp_path / "split"), "--json") == 0
+    kept = json.loads(capsys.readouterr().out)["kept"]
     assert FrozenPolicy.load(kept["blue"][0]).about["side"] == "blue"
 
 
@@ -121,7 +109,9 @@ def test_the_command_has_the_leagues_own_defaults() -> None:
     assert shared >= {
         "iterations",
         "games",
-        "trial_games",
+        "split",
+        "priority",
+        "embed",
         "match_games",
         "partner_share",
         "past_share",

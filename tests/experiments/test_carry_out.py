@@ -138,11 +138,12 @@ def test_no_more_runs_than_jobs_run_side_by_side(
     started: list[Run] = []
     start = module.start
 
-    def count(run: Run, places: Places) -> object:
+    def count(run: Run, places: Places, *, alone: bool) -> object:
+        assert not alone
         started.append(run)
         kept = sum(places.is_kept(other) for other in started)
         assert len(started) - kept <= 2
-        process = start(run, places)
+        process = start(run, places, alone=alone)
         make_folder(run)
         return process
 

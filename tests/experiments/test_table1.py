@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import shutil
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -15,18 +16,22 @@ from hexwar_sb3.envs.registration import make_vec_env
 from hexwar_sb3.evaluation.panel import CONSTANT_PLANS
 from hexwar_sb3.evaluation.tournament import Meeting, Table
 from hexwar_sb3.experiments.runs import Places
-from hexwar_sb3.experiments.table1 import COLUMNS, ROWS, Table1
+from hexwar_sb3.experiments.table1 import BROAD, COLUMNS, FURTHER, ROWS, Table1
 from hexwar_sb3.experiments.table1_page import PAPER, bar, in_words, missed, no_worse, rows, write
-from hexwar_sb3.league import heir
+from hexwar_sb3.league.cai import DISTILLED, make_cai
 from hexwar_sb3.league.distil import Lessons
-from hexwar_sb3.league.heir import DISTILLED, LEARNED, Practice
-from hexwar_sb3.league.member import CAMPS, as_member
-from hexwar_sb3.league.plans import Planning
-from hexwar_sb3.league.school import School
+from hexwar_sb3.league.member import as_member
 from hexwar_sb3.league.settings import LeagueSettings
 from hexwar_sb3.play.frozen import FrozenPolicy
 
-WINS = {"HRL0": 2, "HRL1": 3, "HRL2": 3, "CAI": 4, DISTILLED: 1}  # of 4 games as red; as blue the same
+WINS = {
+    "HRL0": 2,
+    "HRL1": 3,
+    "HRL2": 3,
+    "CAI": 4,
+    DISTILLED: 1,
+    BROAD: 2,
+}  # of 4 games as red; as blue the same
 """What each row's player reaches against anybody in the tests."""
 
 
@@ -47,7 +52,7 @@ def camp(wins: int) -> dict[str, Any]:
 def counted() -> Table:
     """Every row has its wins in both colours against every column."""
     found: dict[Meeting, dict[str, Any]] = {}
-    for name in (*ROWS, DISTILLED, *CONSTANT_PLANS):
+    for name in (*ROWS, *FURTHER, *CONSTANT_PLANS):
         wins = WINS.get(name, 0)
         for column in COLUMNS:
             letters = "W" * wins + "L" * (4 - wins)
@@ -59,31 +64,42 @@ def counted() -> Table:
     return Table(found)
 
 
-@pytest.fixture
-def pipeline(tmp_path: Path) -> Table1:
+def small(folder: Path, **settings: Any) -> Table1:
     """A pipeline of a minute, whose warm-ups are there."""
-    places = Places(tmp_path / "results", tmp_path / "work")
-    settings = LeagueSettings(
-        school_rounds=0, keep=2, iterations=1, games=4, rounds=1, refit_games=1, trial_games=1, match_games=2, warm_up_games=2, n_envs=2,
-        learner={"learning_starts": 0, "buffer_size": 200, "batch_size": 8},
-    )  # fmt: skip
-    lessons = Lessons(games=2, updates=5, batch_size=8)
+    places = Places(folder / "results", folder / "work")
     made = Table1(
         places=places,
         seeds=(0, 1),
-        settings=settings,
-        lessons=lessons,
-        practice=Practice(games=2, rounds=1, refit_games=1, trial_games=1),
-        school=School(lessons=lessons, rounds=1, planning=Planning(times=(300,), trials=((1, 1),), sights=2)),
+        settings=LeagueSettings(
+            keep=2, iterations=1, games=4, refit_games=1, match_games=2, warm_up_games=2, n_envs=2, bots=("MA1", "drawn"),
+            learner={"learning_starts": 0, "buffer_size": 200, "batch_size": 8}, **settings,
+        ),
+        lessons=Lessons(games=2, updates=5, batch_size=8),
+        cai_games=4,
         games=2,
         progress_games=2,
-    )
+    )  # fmt: skip
     env = make_vec_env(n_envs=1, privileged_state=True, seed=0)
-    for run in made.warm_ups():
+    for run in (*made.warm_ups(), made.broad()):
         model = QMIX("TaskPolicy", env, seed=run.seed, buffer_size=10)
         as_member(model, side="both", scenario="plain").save(places.kept(run) / "policy")
         (places.kept(run) / "command.txt").write_text(run.command + "\n")
     return made
+
+
+@pytest.fixture
+def pipeline(tmp_path: Path) -> Table1:
+    """A pipeline of models for both camps."""
+    return small(tmp_path)
+
+
+def test_a_league_of_two_colours_has_a_cai_of_each(tmp_path: Path) -> None:
+    made = small(tmp_path, split=True)
+    assert made.run(lambda _: None) is not None
+    policies = {camp: FrozenPolicy.load(made.policy("CAI", camp)) for camp in ("red", "blue")}
+
+    assert {camp: policy.about["side"] for camp, policy in policies.items()} == {"red": "red", "blue": "blue"}
+    assert not made.policy("CAI", "both").exists()
 
 
 def test_the_pipeline_goes_from_warm_ups_to_the_table(pipeline: Table1) -> None:
@@ -95,10 +111,10 @@ def test_the_pipeline_goes_from_warm_ups_to_the_table(pipeline: Table1) -> None:
 
     assert len(table.rows) == len(pipeline.meetings())
     assert {(cell["row"], cell["games"]) for cell in figures["cells"]} == {
-        (name, 2) for name in (*ROWS, DISTILLED, *CONSTANT_PLANS)
+        (name, 2) for name in (*ROWS, *FURTHER, *CONSTANT_PLANS)
     }
     assert (pipeline.kept / "table.txt").read_text() == text + "\n"
-    assert {"groups", "round robin", "heirs", "matches", "progress"} <= set(figures["costs"])
+    assert {"groups", "round robin", "CAI", "matches", "progress"} <= set(figures["costs"])
     assert pipeline.states()["iterations of the league"] == "1 of 1"
     assert said[-1] == "matches of the table"
     assert (pipeline.kept / "league.png").stat().st_size > 10_000
@@ -106,18 +122,17 @@ def test_the_pipeline_goes_from_warm_ups_to_the_table(pipeline: Table1) -> None:
     assert not list((pipeline.kept / "league").glob("*/groups"))  # small files only
 
 
-def test_an_heir_that_was_broken_off_goes_on_from_what_it_was_taught(
-    pipeline: Table1, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_cai_is_a_function_of_its_spec(pipeline: Table1, tmp_path: Path) -> None:
     pipeline.run(lambda _: None)
-    before = {camp: FrozenPolicy.load(pipeline.policy("CAI", camp)).sha256 for camp in CAMPS}
-    for camp in CAMPS:
-        shutil.rmtree(pipeline.policy("CAI", camp))
-        shutil.rmtree(pipeline.work / "heirs" / camp / LEARNED)
-    monkeypatch.setattr(heir, "distill", None)
-    pipeline.run(lambda _: None)
+    (spec,) = pipeline.combined(pipeline.league())
+    make_cai(replace(spec, folder=tmp_path / "again"))
 
-    assert before == {camp: FrozenPolicy.load(pipeline.policy("CAI", camp)).sha256 for camp in CAMPS}
+    for name in ("distilled", "learned"):
+        policies = [FrozenPolicy.load(folder / name) for folder in (spec.folder, tmp_path / "again")]
+        assert policies[0].sha256 == policies[1].sha256
+    assert policies[0].sha256 == FrozenPolicy.load(pipeline.policy("CAI", "both")).sha256
+    assert policies[0].about["side"] == "both"
+    assert sum(weight for _, weight in spec.opponents) == pytest.approx(1.0)
 
 
 def test_a_copy_that_was_broken_off_is_not_taken_for_whole(
@@ -146,7 +161,7 @@ def test_what_is_committed_is_enough_to_go_on(pipeline: Table1) -> None:
     policies = {path: path.read_bytes() for path in pipeline.kept.rglob("weights.safetensors")}
     pipeline.run(lambda _: None)
 
-    assert not (pipeline.work / "heirs").exists()
+    assert not (pipeline.work / "cai").exists()
     assert policies == {path: path.read_bytes() for path in pipeline.kept.rglob("weights.safetensors")}
     assert pipeline.states()["matches"] == f"{len(pipeline.meetings())} of {len(pipeline.meetings())}"
 
@@ -193,7 +208,7 @@ def test_the_page_shows_every_row() -> None:
     costs = {"warm-ups": {"wall_s": 120.0, "core_s": 120.0}, "matches": {"wall_s": 60.0, "core_s": 360.0}}
     text = in_words(rows(table, "plain"), no_worse(table, "plain"), costs, lay_out)
 
-    for name in (*ROWS, DISTILLED, *CONSTANT_PLANS):
+    for name in (*ROWS, *FURTHER, *CONSTANT_PLANS):
         assert f"\n{name} " in text
     assert "97 / 96" in text
     assert ["matches", "1.0", "6.0", "75", "%"] in [line.split() for line in text.splitlines()]

@@ -14,13 +14,11 @@ from hexwar_sb3.league.member import as_member
 from hexwar_sb3.league.settings import LeagueSettings
 
 TINY: dict[str, Any] = {
-    "school_rounds": 0,
     "keep": 2,
     "iterations": 2,
     "games": 4,
-    "rounds": 2,
-    "refit_games": 0,
-    "trial_games": 1,
+    "refit_games": 1,
+    "bots": ("MA1", "drawn=2"),
     "match_games": 2,
     "warm_up_games": 2,
     "n_envs": 2,
@@ -54,9 +52,10 @@ def whole(tmp_path_factory: pytest.TempPathFactory, starters: dict[str, Path]) -
 
 
 @pytest.fixture(scope="session")
-def schooled(tmp_path_factory: pytest.TempPathFactory, starters: dict[str, Path]) -> League:
-    """A league of one group an iteration, with school."""
-    small = {"keep": 1, "school_rounds": 1, "school_games": 1, "school_updates": 2, "school_trials": (1,)}
-    league = League.create(tmp_path_factory.mktemp("schooled"), LeagueSettings(**{**TINY, **small}), starters)
+def split(tmp_path_factory: pytest.TempPathFactory, starters: dict[str, Path]) -> League:
+    """A league with models of each camp, as in the paper."""
+    league = League.create(
+        tmp_path_factory.mktemp("split"), LeagueSettings(**{**TINY, "split": True}), starters
+    )
     league.run()
     return league

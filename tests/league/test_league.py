@@ -8,20 +8,21 @@ import shutil
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
+import numpy as np
 import pytest
+from safetensors.numpy import load_file
 
-from hexwar_sb3.errors import ConfigError, FileFormatError, PolicyFileError, UnknownNameError
+from hexwar_sb3.errors import CheckpointError, ConfigError, FileFormatError, PolicyFileError, UnknownNameError
 from hexwar_sb3.league import group
-from hexwar_sb3.league.group import train_group
-from hexwar_sb3.league.judge import Rivals
+from hexwar_sb3.league.group import train_group, with_partner
 from hexwar_sb3.league.league import League, group_name, parent_of
 from hexwar_sb3.league.settings import LeagueSettings
+from hexwar_sb3.league.work import begin
 from hexwar_sb3.play.frozen import FrozenPolicy
-from tests.league.test_judge import Rigged
 
-BOTS = LeagueSettings().bots
+BOTS = ("MA1", "drawn")  # of the tests' leagues
 
 
 def contents(folder: Path) -> dict[str, str]:
@@ -47,129 +48,95 @@ def test_every_red_model_trains_with_every_blue_one(whole: League) -> None:
 
 
 def test_models_meet_their_partner_the_past_and_the_bots(whole: League) -> None:
-    others = whole.specs(2)[0].others["red"]
+    spec = whole.specs(2)[0]
 
-    assert [str(player) for player, _ in others] == [
-        str(whole.kept(0)["blue"][0].folder),
-        str(whole.kept(1)["blue"][0].folder),
+    assert [str(player) for player, _ in spec.others["red"]] == [
+        *dict.fromkeys(str(whole.kept(k)["blue"][0].folder) for k in (0, 1)),
         "MA1",
-        "MA2",
-        "all-main",
+        "drawn",
     ]
-    assert [weight for _, weight in others] == pytest.approx([0.15, 0.15, *[0.5 / 3] * 3])
+    past = [weight for _, weight in spec.others["red"][:-2]]
+    assert sum(past) == pytest.approx(0.3)
+    assert [weight for _, weight in spec.others["red"][-2:]] == pytest.approx([0.5 / 3, 1.0 / 3])
+    met = with_partner(spec.members["blue"], 0.2, spec.others["red"])
+    assert cast("FrozenPolicy", met[0][0]).sha256 == spec.members["blue"].policy().sha256
+    assert [weight for _, weight in met] == pytest.approx([0.2, *(w for _, w in spec.others["red"])])
+    assert spec.env["priority"] == 1.0
 
 
-def test_half_of_the_past_is_the_very_first_best(whole: League) -> None:
-    first, second, third, *_ = (weight for _, weight in whole.others(3, "red"))
-
-    assert (first, second, third) == pytest.approx((0.15, 0.075, 0.075))
+def test_a_partner_may_be_all_that_is_met(whole: League) -> None:
+    assert [weight for _, weight in with_partner(whole.kept(1)["red"][0], 0.2, [])] == [1.0]
 
 
-def test_versions_are_judged_by_the_first_and_the_latest_best_and_by_bots(whole: League) -> None:
-    first, latest = (str(whole.kept(k)["red"][0].folder) for k in (0, 1))
-
-    assert whole.specs(2)[0].rivals["blue"] == Rivals((first, latest), ("MA1", "MA2", "all-main"), 0.5)
-    assert len(whole.rivals(1, "blue").models) == 1  # the first best is the latest
-
-
-def test_models_that_were_kept_go_to_school_against_all_that_they_will_meet(schooled: League) -> None:
-    for pupil, camp, enemy in zip(schooled.pupils(2), ("red", "blue"), ("blue", "red"), strict=True):
-        first, latest = (str(schooled.kept(k)[enemy][0].folder) for k in (0, 1))
-        members = [schooled.kept(1)[camp][0], schooled.kept(0)[camp][0]]
-        assert [one.policy for one in pupil.searches] == members
-        for one in pupil.searches:
-            assert [player for player, _ in one.opponents] == [latest, first, "MA1", "MA2", "all-main"]
-            assert one.weights() == pytest.approx([0.35, 0.15, *[0.5 / 3] * 3])
+def test_one_model_plays_both_camps_where_it_is_not_split(whole: League) -> None:
+    for k in (1, 2):
+        assert whole.kept(k)["red"] == [replace(one, camp="red") for one in whole.kept(k)["blue"]]
+        assert {one.policy().about["side"] for one in whole.models(k)["red"]} == {"both"}
 
 
-def test_groups_begin_with_what_was_learned_at_school(schooled: League) -> None:
-    spec = schooled.specs(2)[0]
-    for pupil, camp in zip(schooled.pupils(2), ("red", "blue"), strict=True):
-        assert spec.members[camp].folder == pupil.folder
-        assert spec.members[camp].policy().sha256 not in {
-            one.policy.policy().sha256 for one in pupil.searches
-        }
+def test_each_camp_has_its_own_where_it_is_split(split: League) -> None:
+    for camp in ("red", "blue"):
+        assert {one.policy().about["side"] for one in split.models(2)[camp]} == {camp}
+    reds, blues = (distinct(split, 2, camp) for camp in ("red", "blue"))
+    assert len(reds | blues) == 8
 
 
-def test_every_model_has_a_plan_and_the_very_first_best_of_its_colour(schooled: League) -> None:
-    found = schooled.searches(2)
-    names = {
-        f"{camp}/{name}.json"
-        for camp in ("red", "blue")
-        for name in (schooled.kept(1)[camp][0].name, ".first")
+def test_blue_learns_against_red_as_it_is_now(split: League, tmp_path: Path) -> None:
+    """A red model of another seed is another one, and then so is the blue one that met it."""
+    spec = split.specs(1)[0]
+    train_group(replace(spec, folder=tmp_path / "as it was"))
+    others = {**spec.others, "red": [("MA2", 1.0)]}
+    train_group(replace(spec, partner_share=0.9, others=others, folder=tmp_path / "other"))
+
+    folders = (spec.folder, tmp_path / "as it was", tmp_path / "other")
+    hashes = {
+        camp: [FrozenPolicy.load(folder / camp).sha256 for folder in folders] for camp in ("red", "blue")
     }
-
-    assert {"/".join(one.file.parts[-2:]) for searches in found.values() for one in searches} == names
-    assert all(one.file.is_file() for searches in found.values() for one in searches)
-    costs = json.loads((schooled.iteration(2) / "cost.json").read_text())
-    assert {"school", "groups", "round robin"} <= costs.keys()
+    for first, again, other in hashes.values():
+        assert first == again != other
 
 
-def test_a_league_with_school_goes_on_where_it_was_stopped(schooled: League, tmp_path: Path) -> None:
-    shutil.copytree(schooled.folder, tmp_path / "copy")
-    league, again = League.open(tmp_path / "copy"), schooled.iteration(2).name
-    shutil.rmtree(tmp_path / "copy" / again / "groups")
-    (tmp_path / "copy" / again / "table.json").unlink()
-    shutil.rmtree(tmp_path / "copy" / again / "matches")
-    school = tmp_path / "copy" / again / "school"
-    next(school.glob("red/*.json")).unlink()
-    gone = next(school.glob("blue/*/config.json")).parent
-    shutil.rmtree(gone)
-    left_over = gone.parent / ".new-left-over"
-    left_over.mkdir()
-    (left_over / "config.json").touch()
-    league.run()
+def test_a_model_goes_on_with_its_mixer_and_its_targets(whole: League) -> None:
+    spec = whole.specs(2)[1]
+    member = spec.members["red"]
+    model = begin(member, {**spec.env, "side": "both", "opponent": "MA1"}, spec.learner, 7)
 
-    assert contents(tmp_path / "copy") == contents(schooled.folder)
+    kept, taken = load_file(member.networks), model.policy.state_dict()
+    assert kept.keys() == taken.keys()
+    assert all(np.array_equal(kept[name], taken[name].numpy()) for name in kept)
+    assert any(name.startswith("mixer_target") for name in kept)
 
 
-def test_a_model_that_fills_several_places_goes_to_school_once(
-    tiny: LeagueSettings, starters: dict[str, Path], tmp_path: Path
-) -> None:
-    league = League.create(tmp_path, replace(tiny, keep=4), {"one": starters["one"]})
-    League(tmp_path, replace(league.settings, iterations=0)).run()
-
-    assert [len(members) for members in league.kept(0).values()] == [4, 4]
-    assert [pupil.folder.name for pupil in league.pupils(1)] == ["one", "one"]
-
-
-def test_models_that_play_alike_play_the_round_robin_once(whole: League, tmp_path: Path) -> None:
-    """Where no training made a model better, its groups leave it as it came."""
-    shutil.copytree(whole.folder, tmp_path / "league")
-    league = League.open(tmp_path / "league")
-    shutil.rmtree(league.iteration(2) / "matches")
-    league.table(2).unlink()
-    same = league.models(2)["red"]
-    for member in same[1:3]:
-        shutil.rmtree(member.folder)
-        shutil.copytree(same[0].folder, member.folder)
-    league.run()
-
-    found = json.loads(league.table(2).read_text())
-    assert {row["name"] for row in found["standings"]["red"]} == {same[0].name, same[3].name}
-    assert len(set(found["kept"]["red"])) == 2
+def test_models_of_another_width_do_not_go_on(whole: League) -> None:
+    spec = whole.specs(2)[1]
+    wide = {**spec.learner, "policy_kwargs": {**spec.learner["policy_kwargs"], "hidden": 128}}
+    with pytest.raises(
+        CheckpointError, match=r"networks: agent\..*: found float32 .*64.*; expected float32 .*128"
+    ):
+        begin(spec.members["red"], {**spec.env, "side": "both", "opponent": "MA1"}, wide, 7)
 
 
-def test_without_school_nobody_searches(whole: League) -> None:
-    assert not list(whole.folder.rglob("school"))
-    assert whole.specs(2)[0].members["red"] == whole.kept(1)["red"][0]
+def test_what_is_left_is_the_mean_of_the_last_updates(whole: League) -> None:
+    member = whole.models(1)["red"][0]
+    networks = load_file(member.networks)
+
+    for name, array in member.policy().weights.items():
+        np.testing.assert_array_equal(array, networks[f"agent_target.{name}"])
+    assert not np.array_equal(networks["agent_target.value.weight"], networks["agent.value.weight"])
 
 
-def test_the_learning_rate_falls_from_iteration_to_iteration(whole: League) -> None:
-    rates = [whole.learner(4, k)["learning_rate"] for k in (1, 2, 3)]
+def test_schedules_are_of_a_groups_games(whole: League) -> None:
+    found = whole.learner(1000)
 
-    assert rates == pytest.approx([1e-3, 1e-3 * whole.settings.cooling, 1e-3 * whole.settings.cooling**2])
-
-
-def test_random_tasks_grow_rare_over_the_first_games_with_those_of_the_refit(whole: League) -> None:
-    league = League(whole.folder, replace(whole.settings, refit_games=200))
-
-    assert league.learner(800, 1)["exploration_episodes"] == 600
+    assert (found["exploration_episodes"], found["squad_episodes"]) == (400, 700)
+    assert found["policy_kwargs"] == {"hidden": 64, "embed": 32, "mirrored": True}
 
 
-def test_the_best_weighted_win_rate_is_kept(whole: League) -> None:
+@pytest.mark.parametrize("which", ["whole", "split"])
+def test_the_best_weighted_win_rate_is_kept(which: str, request: pytest.FixtureRequest) -> None:
     """Half of it over the enemy's models, half against the bot that it does worst against."""
-    found = json.loads((whole.iteration(2) / "table.json").read_text())
+    league: League = request.getfixturevalue(which)
+    found = json.loads((league.iteration(2) / "table.json").read_text())
     rates: dict[str, dict[bool, list[float]]] = {}
     for pair, rate in found["red_win_rates"].items():
         red, blue = pair.split()
@@ -178,17 +145,17 @@ def test_the_best_weighted_win_rate_is_kept(whole: League) -> None:
     means = {
         name: (min(parts[True]) + sum(parts[False]) / len(parts[False])) / 2 for name, parts in rates.items()
     }
+    own = {
+        camp: {row["name"]: row["win_rate"] for row in found["standings"][camp]} for camp in ("red", "blue")
+    }
 
-    reds, blues = (len(distinct(whole, 2, camp)) for camp in ("red", "blue"))
-    assert len(found["red_win_rates"]) == reds * blues + (reds + blues) * len(BOTS)
-    assert {row["name"]: row["win_rate"] for row in found["standings"]["red"]} == pytest.approx(means)
-    assert means[found["kept"]["red"][0]] == max(means.values())
-    worst = min(row["win_rate"] for row in found["standings"]["blue"] if row["name"] in found["kept"]["blue"])
-    assert all(
-        row["win_rate"] <= worst
-        for row in found["standings"]["blue"]
-        if row["name"] not in found["kept"]["blue"]
-    )
+    assert len(found["red_win_rates"]) == 4 * 4 + (4 + 4) * len(BOTS)
+    assert own["red"] == pytest.approx(means)
+    for camp in ("red", "blue"):
+        both = {name: own["red"][name] + own["blue"][name] for name in own["red"]}
+        scores = own[camp] if league.settings.split else both
+        worst = min(scores[name] for name in found["kept"][camp])
+        assert all(score <= worst for name, score in scores.items() if name not in found["kept"][camp])
     for row in found["standings"]["blue"]:
         low, high = row["win_rate_interval"]
         assert 0.0 <= low <= row["win_rate"] <= high <= 1.0
@@ -212,12 +179,18 @@ def test_a_league_of_another_mixer_is_trained(
     assert League.open(tmp_path).is_done(2)
 
 
-def test_a_model_knows_its_parent(whole: League) -> None:
-    found = json.loads((whole.iteration(2) / "table.json").read_text())
-    before = whole.kept(1)
+@pytest.mark.parametrize("which", ["whole", "split"])
+def test_a_model_knows_its_parent(which: str, request: pytest.FixtureRequest) -> None:
+    league: League = request.getfixturevalue(which)
+    found = json.loads((league.iteration(2) / "table.json").read_text())
+    specs = {
+        f"2-r{i}b{j}": spec
+        for (i, j), spec in zip([(0, 0), (0, 1), (1, 0), (1, 1)], league.specs(2), strict=True)
+    }
     for camp in ("red", "blue"):
         for row in found["standings"][camp]:
-            assert row["parent"] == before[camp][parent_of(row["name"], camp)].name
+            learned = camp if league.settings.split else "red"
+            assert row["parent"] == specs[row["name"]].members[learned].name
     assert (parent_of(group_name(3, 1, 2), "red"), parent_of(group_name(3, 1, 2), "blue")) == (1, 2)
 
 
@@ -227,20 +200,6 @@ def test_a_group_is_a_function_of_its_spec(whole: League, tmp_path: Path) -> Non
 
     assert contents(tmp_path / "again") == contents(spec.folder)
     assert sorted(path.name for path in tmp_path.iterdir()) == ["again"]
-
-
-@pytest.mark.parametrize("learned", [True, False])
-def test_a_group_leaves_what_a_model_learned_unless_it_was_better_before(
-    whole: League, tmp_path: Path, *, learned: bool
-) -> None:
-    """Versions are judged one after the other, the model as it entered first."""
-    shares = iter(k / 100 if learned else 1.0 - k / 100 for k in range(100))
-    spec = replace(whole.specs(1)[0], trial=Rigged(shares=shares), folder=tmp_path / "group")
-    train_group(spec)
-
-    for camp, member in spec.members.items():
-        left = FrozenPolicy.load(tmp_path / "group" / camp)
-        assert (left.sha256 != member.policy().sha256) == learned
 
 
 BREAKS: dict[str, Callable[[League], object]] = {
@@ -391,8 +350,12 @@ BROKEN: dict[str, tuple[Callable[[dict[str, Any]], object], str]] = {
     "another format": (lambda head: head.update(format="pickle"), "format: found 'pickle'"),
     "no bots": (lambda head: head["settings"].update(bots=None), "bots: found None; expected a list"),
     "a setting less": (
-        lambda head: head["settings"].pop("anchor"),
-        "anchor: found nothing; expected a finite number",
+        lambda head: head["settings"].pop("priority"),
+        "priority: found nothing; expected a finite number",
+    ),
+    "an older league": (
+        lambda head: head.update(format="hexwar league 1"),
+        "format: found 'hexwar league 1'",
     ),
     "a setting more": (
         lambda head: head["settings"].update(policy="os.system"),
@@ -400,7 +363,7 @@ BROKEN: dict[str, tuple[Callable[[dict[str, Any]], object], str]] = {
     ),
     "a list for settings": (
         lambda head: head.update(settings=[1]),
-        r"format: found 'hexwar league 1' with \[1\]",
+        r"format: found 'hexwar league 2' with \[1\]",
     ),
 }
 
@@ -426,6 +389,17 @@ def test_names_in_a_table_are_models_of_its_iteration(names: object, whole: Leag
     (league.iteration(2) / "table.json").write_text(json.dumps(table))
     with pytest.raises(FileFormatError, match=r"kept\.blue: found .*; expected 2 models of this iteration"):
         league.kept(2)
+
+
+@pytest.mark.parametrize("content", [b"", b"\x80\x04pickle", b"\x02\0\0\0\0\0\0\0{}"])
+def test_broken_networks_are_named(content: bytes, whole: League, tmp_path: Path) -> None:
+    spec = whole.specs(2)[0]
+    folder = Path(shutil.copytree(spec.members["red"].folder, tmp_path / "member"))
+    (folder / "networks.safetensors").write_bytes(content)
+    members = {**spec.members, "red": replace(spec.members["red"], folder=folder)}
+    with pytest.raises(CheckpointError, match=r"networks\.safetensors: sha256: found other networks"):
+        train_group(replace(spec, members=members, folder=tmp_path / "again"))
+    assert not (tmp_path / "again").exists()
 
 
 def test_a_broken_model_is_named(whole: League, tmp_path: Path) -> None:

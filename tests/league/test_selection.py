@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from hexwar_sb3.league.selection import weights
+from hexwar_sb3.league.selection import select, weights
 
 
 @pytest.mark.parametrize(
@@ -22,3 +22,18 @@ def test_of_the_bots_only_the_worst_result_counts(
     rates: list[float], are_bots: list[bool], share: float, expected: list[float]
 ) -> None:
     assert weights(rates, are_bots, share) == expected
+
+
+def test_models_of_both_camps_are_ranked_by_both() -> None:
+    def row(name: str, rate: float, margin: float = 0.0) -> dict[str, object]:
+        return {"name": name, "win_rate": rate, "mean_margin": margin}
+
+    rows = {
+        "red": [row("a", 0.9), row("b", 0.6), row("c", 0.5, 3.0)],
+        "blue": [row("b", 0.8), row("a", 0.7), row("c", 0.1)],
+    }
+
+    assert select(rows, 2, split=True) == {"red": ["a", "b"], "blue": ["b", "a"]}
+    assert select(rows, 4, split=False) == {"red": ["a", "b", "c", "a"], "blue": ["a", "b", "c", "a"]}
+    level = {"red": [row("x", 0.5, 1.0), row("y", 0.5, 2.0), row("z", 0.5, 2.0)]}
+    assert select({**level, "blue": level["red"]}, 3, split=False)["red"] == ["y", "z", "x"]

@@ -24,7 +24,6 @@ from hexwar_sb3.play.frozen import FrozenPolicy
 from hexwar_sb3.play.match import play_games
 from hexwar_sb3.play.player import POLICIES, make_player
 from hexwar_sb3.play.recording import record_game
-from hexwar_sb3.play.standing_orders import LedPolicy, StandingOrder
 from hexwar_sb3.tasks.features import sizes
 from hexwar_sb3.tasks.records import MAX_TASKS
 from hexwar_sb3.tasks.route import N_ANSWERS
@@ -65,7 +64,6 @@ FLAT = spaces.Box(-1.0, 1.0, (OBS + MAX_TASKS * ROW,))
 FIT: dict[str, Callable[[], object]] = {
     "HRL0": lambda: "HRL0",
     "FrozenPolicy": policy,
-    "LedPolicy": lambda: LedPolicy(policy(), StandingOrder(pieces=(0, 6), spot=0, ticks_left=1800)),
     "Model": lambda: Model(boxes(), TASKS),
     "Model of the flat env": lambda: Model(FLAT, spaces.Discrete(MAX_TASKS * N_ANSWERS)),
 }
@@ -78,7 +76,6 @@ UNFIT: dict[str, Callable[[], object]] = {
     "a picture": lambda: Model(spaces.Box(0.0, 1.0, (3, 84, 84)), TASKS),
     "another row": lambda: Model(spaces.Box(-1.0, 1.0, (4,)), spaces.Discrete(MAX_TASKS * N_ANSWERS)),
     "flat, other actions": lambda: Model(FLAT, spaces.Discrete(MAX_TASKS)),
-    "orders to nobody": lambda: LedPolicy(policy(), StandingOrder(pieces=(7,), spot=0, ticks_left=9)),
 }
 ENTRANCES: dict[str, Callable[[Any, Scenario | str], object]] = {
     "red": lambda player, where: play_games(player, "MA1", 1, where),

@@ -69,11 +69,11 @@ def test_a_frozen_copy_plays_both_camps_alike() -> None:
 
 
 def test_a_preset_mirrors_where_the_map_does() -> None:
-    assert PRESETS["default"].learner_for(10, "plain")["policy_kwargs"] == {"mirrored": True}
+    widths = {"hidden": 128, "embed": 64}
+    assert PRESETS["default"].learner_for(10, "plain")["policy_kwargs"] == {"mirrored": True, **widths}
     assert PRESETS["paper"].learner_for(10, "plain")["policy_kwargs"] == {"mirrored": False}
-    assert PRESETS["default"].changed({"mirrored": False}).learner_for(10, "plain")["policy_kwargs"] == {
-        "mirrored": False
-    }
+    seen = PRESETS["default"].changed({"mirrored": False})
+    assert seen.learner_for(10, "plain")["policy_kwargs"] == {"mirrored": False, **widths}
 
 
 def test_another_env_is_refused() -> None:

@@ -41,7 +41,7 @@ def test_a_study_begins_at_the_papers_point_and_the_presets_own_values(name: str
     assert point["mixer"] == "qmix"
     assert point["td_lambda"] is None
     assert point["spots"] == 6
-    assert point["hidden"] == 64
+    assert point["hidden"] == {"default": 128, "paper": 64}[name]
 
 
 def test_the_default_presets_point_lies_in_the_space() -> None:
@@ -54,9 +54,9 @@ def test_a_point_changes_the_preset_where_it_belongs() -> None:
     changed = PRESETS["default"].changed(point)
 
     assert (changed.route["alpha"], changed.decision_ticks) == (0.3, 150)
-    assert changed.env == {"reward": "net", "spots": 3}
+    assert changed.env == {"reward": "net", "priority": 1.0, "spots": 3}
     assert changed.learner["mixer"] == "vdn"
-    assert changed.learner["policy_kwargs"] == {"hidden": 32}
+    assert changed.learner["policy_kwargs"] == {"hidden": 32, "embed": 64}
     assert changed.learner["learning_rate"] == PRESETS["default"].learner["learning_rate"]
     assert changed.learner["td_lambda"] is None
     assert PRESETS["default"].decision_ticks == 75
