@@ -159,7 +159,7 @@ def learn_from(
         optimizer.step()
         falling.step()
         losses.append(loss.item())
-    student.agent_target.load_state_dict(student.agent.state_dict())
+    student.settle()
     return losses
 
 

@@ -14,7 +14,8 @@ from hexwar_sb3.tasks.hotspots import is_mirrored
 
 Settings = dict[str, Any]
 LEARNER = (
-    *("mixer", "learning_rate", "final_learning_rate", "batch_size", "tau", "gamma", "n_steps", "td_lambda"),
+    *("mixer", "learning_rate", "final_learning_rate", "batch_size", "tau", "ema_tau", "gamma", "n_steps"),
+    "td_lambda",
     *("double_q", "gradient_steps", "stickiness"),
     *("exploration_initial_eps", "exploration_final_eps", "exploration_episodes"),
     *("squad_initial_share", "squad_final_share", "squad_episodes"),

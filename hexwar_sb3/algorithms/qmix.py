@@ -93,6 +93,7 @@ SETTINGS: Table = {
     **LEARNING,
     "policy_kwargs": POLICY_KWARGS,
     "train_freq": update_every,
+    "ema_tau": SHARE,
     "td_lambda": optional(SHARE),
     "double_q": flag,
     "loss": Choice("loss", LOSSES),
@@ -127,6 +128,7 @@ class QMIX(TaskModel):
         train_freq: (1, "episode") trains after every finished game of any env; or (n, "step") of the VecEnv, n for short.
         gradient_steps: updates each time; those of games or steps that lie longer back are not made up for.
         target_update_interval: updates between two changes of the targets.
+        ema_tau: share of the online agent network that goes into its mean, which is evaluated and shared (`freeze_settled`).
         final_learning_rate: where the learning rate ends, in a straight line over the env steps of `learn`; None keeps it.
         mixer: "qmix", "vdn" or "iql".
         n_steps: steps of a transition; with `td_lambda` the length of its windows.
@@ -182,6 +184,7 @@ class QMIX(TaskModel):
         gradient_steps: int = 1,
         target_update_interval: int = 1,
         *,
+        ema_tau: float = 0.002,
         final_learning_rate: float | None = None,
         mixer: str = "qmix",
         n_steps: int = 4,
@@ -228,7 +231,7 @@ class QMIX(TaskModel):
         )
         self.update_every: Any = train_freq  # SB3 counts episodes with a single env only
         self.target_update_interval = target_update_interval
-        self.final_learning_rate = final_learning_rate
+        self.final_learning_rate, self.ema_tau = final_learning_rate, ema_tau
         self.n_steps, self.td_lambda, self.double_q, self.loss = n_steps, td_lambda, double_q, loss
         self.reward_scale, self.stickiness = reward_scale, stickiness
         self.max_grad_norm, self.chunk_size = max_grad_norm, chunk_size
@@ -294,6 +297,7 @@ class QMIX(TaskModel):
             max_grad_norm=self.max_grad_norm,
             tau=self.tau,
             target_interval=self.target_update_interval,
+            ema_tau=self.ema_tau,
         )
 
     def _begin_games(self) -> None:

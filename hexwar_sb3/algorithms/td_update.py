@@ -33,6 +33,7 @@ class TDLearner:
         max_grad_norm: gradients are clipped to it.
         tau: share of the online networks that goes into the targets.
         target_interval: updates between two changes of the targets.
+        ema_tau: share of the online agent network that goes into its mean.
     """
 
     policy: TaskPolicy
@@ -44,6 +45,7 @@ class TDLearner:
     max_grad_norm: float
     tau: float
     target_interval: int
+    ema_tau: float
 
     def __post_init__(self) -> None:
         """Check the settings.
@@ -97,7 +99,7 @@ class TDLearner:
         return (weight * LOSSES[self.loss](q_total, target, reduction="none")).sum() / weight.sum()
 
     def step(self, number: int) -> None:
-        """Change the online networks by the gradient, and the targets when it is their turn.
+        """Change the online networks by the gradient, the mean, and the targets when it is their turn.
 
         Raises:
             TrainingError: the gradient is not finite; the networks stay as they are.
@@ -112,3 +114,5 @@ class TDLearner:
         policy.optimizer.step()
         if number % self.target_interval == 0:
             polyak_update(policy.trained, policy.targets, self.tau)
+        share = max(self.ema_tau, 1.0 / (number + 1))  # the first updates count alike
+        polyak_update(policy.agent.parameters(), policy.agent_mean.parameters(), share)

@@ -90,6 +90,9 @@ class Train:
     learning_rate: OfPreset[float] = None  # of Adam, at the start
     final_learning_rate: OfPreset[float] = None  # learning rate at the end
     batch_size: OfPreset[int] = None  # transitions of an update
+    ema_tau: OfPreset[float] = (
+        None  # share of the network that an update adds to its mean, which is evaluated and shared
+    )
     gamma: OfPreset[float] = None  # discount of 75 ticks
     n_steps: OfPreset[int] = None  # env steps of a transition
     td_lambda: OfPreset[float] = None  # of lambda-returns over n_steps; else n-step returns

@@ -72,8 +72,8 @@ def test_a_student_of_any_widths_comes_to_choose_as_its_teacher(widths: dict[str
     assert len(lesson.pages) == 96
     assert np.mean(losses[-20:]) < 0.3 * losses[0]
     assert (student.greedy(obs) == teacher.act(obs)).mean() > max(0.8, before)
-    targets = student.agent_target.state_dict()
-    assert all(torch.equal(tensor, targets[name]) for name, tensor in student.agent.state_dict().items())
+    for settled in (student.agent_target.state_dict(), student.agent_mean.state_dict()):
+        assert all(torch.equal(tensor, settled[name]) for name, tensor in student.agent.state_dict().items())
 
 
 def test_two_teachers_have_equal_parts() -> None:

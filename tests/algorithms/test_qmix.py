@@ -55,7 +55,8 @@ def test_its_options_run(make_model: MakeModel, options: dict[str, Any]) -> None
 
 @pytest.mark.parametrize("preset", PRESETS)
 def test_the_presets_are_arguments_of_it(make_model: MakeModel, preset: str) -> None:
-    make_model(**PRESETS[preset].learner).learn(60)
+    of_the_game = {"squad_initial_share": 0.0, "squad_final_share": 0.0}
+    make_model(**{**PRESETS[preset].learner, **of_the_game}).learn(60)
 
 
 def test_without_a_state_the_mixer_sees_all_observations(make_model: MakeModel, make_env: MakeEnv) -> None:
@@ -133,6 +134,28 @@ def test_the_targets_follow_softly_or_at_once(make_model: MakeModel) -> None:
 
     assert not torch.equal(soft.policy.targets[0], soft.policy.trained[0])
     assert torch.equal(hard.policy.targets[0], hard.policy.trained[0])
+
+
+def test_what_is_shared_is_the_mean_over_the_last_updates(make_model: MakeModel) -> None:
+    model = make_model(ema_tau=0.3)
+    seen = [model.policy.agent.piece.weight.detach().clone()]
+    step = model.learner.step
+
+    def watch(number: int) -> None:
+        step(number)
+        seen.append(model.policy.agent.piece.weight.detach().clone())
+
+    object.__setattr__(model.learner, "step", watch)
+    model.learn(160)
+
+    mean = seen[0]
+    for number, weight in enumerate(seen[1:], start=1):
+        share = max(0.3, 1.0 / (number + 1))
+        mean = (1.0 - share) * mean + share * weight
+    assert len(seen) > 10
+    shared = torch.from_numpy(model.policy.freeze_settled().weights["piece.weight"])
+    torch.testing.assert_close(shared, mean)
+    assert not torch.equal(shared, seen[-1])
 
 
 def test_predict_takes_one_observation_or_a_batch_and_needs_no_state(

@@ -121,8 +121,8 @@ def test_what_is_left_is_the_mean_of_the_last_updates(whole: League) -> None:
     networks = load_file(member.networks)
 
     for name, array in member.policy().weights.items():
-        np.testing.assert_array_equal(array, networks[f"agent_target.{name}"])
-    assert not np.array_equal(networks["agent_target.value.weight"], networks["agent.value.weight"])
+        np.testing.assert_array_equal(array, networks[f"agent_mean.{name}"])
+    assert not np.array_equal(networks["agent_mean.value.weight"], networks["agent.value.weight"])
 
 
 def test_schedules_are_of_a_groups_games(whole: League) -> None:
