@@ -18,7 +18,7 @@ from hexwar_sb3.errors import ConfigError, UnknownNameError
 if TYPE_CHECKING:
     from hexwar_sb3.experiments.runs import Places, Run, State
 
-NAMES = ("fig7", "ablation")
+NAMES = ("fig7", "ablation", "seeds")
 TABLE1 = "table1"  # one pipeline instead of runs
 FAILED, INTERRUPTED = 1, 130  # exit codes
 
@@ -27,12 +27,14 @@ FAILED, INTERRUPTED = 1, 130  # exit codes
 class Experiments:
     """Make the runs of an experiment whose results are missing, then its figure or table; go on by the same command."""
 
-    # "fig7": HRL against DQN; "ablation": rows that differ in one thing; "table1": self-play and distillation
+    # "fig7": HRL against DQN; "ablation": rows that differ in one thing; "seeds": what luck does to a training;
+    # "table1": self-play and distillation
     name: tyro.conf.Positional[str]
     list: bool = False  # print what is there and what is missing, and do nothing
     only: tuple[str, ...] = ()  # runs ("vdn-0") or rows ("vdn": all its seeds); else all
-    seeds: tuple[int, ...] = (0, 1, 2)  # of every row; the other maps of fig7 have the first
-    games: int | None = None  # of a run; else 10,000 for fig7, 5,000 for the ablation
+    # of every row, else 0 1 2, and 0 to 7 for "seeds"; other maps have the first of them
+    seeds: tuple[int, ...] = ()
+    games: int | None = None  # of a run; else 10,000, and 5,000 for the ablation
     eval_games: int = 64  # an opponent and colour, at each of the ten points of a curve
     final_games: int | None = None  # an opponent and colour, on the page of a run; else 2,000 and 700
     jobs: int = 1  # runs side by side
@@ -104,23 +106,23 @@ class Experiments:
             UnknownNameError: there is no such experiment.
         """
         from hexwar_sb3.evaluation.seeds import Purpose, seed_for
-        from hexwar_sb3.experiments import ablation, fig7
+        from hexwar_sb3.experiments import ablation, fig7, seeds
         from hexwar_sb3.experiments.runs import Budget
 
         if self.name not in NAMES:
             raise UnknownNameError("experiment", self.name, (*NAMES, TABLE1))
         check_jobs("jobs", self.jobs)
-        if not self.seeds or len(set(self.seeds)) < len(self.seeds):
+        if len(set(self.seeds)) < len(self.seeds):
             raise ConfigError(f"name seeds, each of them once; got {self.seeds}")
         for seed in self.seeds:
             seed_for(Purpose.REPORT, seed)
-        module = {"fig7": fig7, "ablation": ablation}[self.name]
+        module = {"fig7": fig7, "ablation": ablation, "seeds": seeds}[self.name]
         budget = Budget(
             games=module.GAMES if self.games is None else self.games,
             eval_games=self.eval_games,
             final_games=module.FINAL_GAMES if self.final_games is None else self.final_games,
         )
-        return module.runs(budget, self.seeds)
+        return module.runs(budget, self.seeds or module.SEEDS)
 
     def _print_states(self, states: Mapping[Run, State], places: Places) -> None:
         if self.json:
@@ -135,9 +137,16 @@ class Experiments:
 
 def finish(name: str, runs: Sequence[Run], places: Places) -> list[Path]:
     """Draw the figure, or write the table, from the results that are there; the files."""
-    from hexwar_sb3.experiments import fig7
+    from hexwar_sb3.experiments import fig7, seeds
 
     folder = places.results / name
+    if name == seeds.NAME:
+        rows = seeds.summary(runs, places)
+        text = table(seeds.HEADS, list(seeds.cells(rows)))
+        write_text(folder / "table.txt", text + "\n")
+        write_text(folder / "table.json", as_json(rows) + "\n")
+        print(text)
+        return [folder / "table.txt", folder / "table.json"]
     if name == fig7.NAME:
         picture = folder / "fig7.png"
         fig7.draw(runs, places, picture)

@@ -18,6 +18,7 @@ from hexwar_sb3.experiments.spread import seed_difference, spread
 from hexwar_sb3.play.records import DECISION_TICKS
 
 NAME, BASE = "ablation", "base"
+SEEDS = (0, 1, 2)
 GAMES = 5_000  # fewer than a whole training has: what slows learning shows, and so do more seeds
 FINAL_GAMES = 700  # three seeds have 2,100 a cell
 QUANTITIES = ("win_rate", "mean_margin", "points_held")
@@ -136,10 +137,7 @@ def figures_of(kept: Path) -> dict[tuple[str, str], float]:
 
 
 def _value(cell: PageRow, quantity: str) -> float:
-    """A figure of a cell; of the shares of the games with 0, 1, 2, ... points held, the mean."""
-    if quantity == "points_held":
-        return sum(k * share for k, share in enumerate(cell.points_held))
-    return float(getattr(cell, quantity))
+    return cell.mean_points if quantity == "points_held" else float(getattr(cell, quantity))
 
 
 def _against(

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 NAME, GAMES, FINAL_GAMES = "fig7", 10_000, 2_000
+SEEDS = (0, 1, 2)
 SCENARIOS = ("plain", "hills", "paddy")  # the first with all seeds, the others with the first seed
 METHODS = {"hrl": "HRL", "dqn": "DQN"}
 QUANTITIES = (("win_rate", "win rate"), ("mean_margin", "mean margin, points"))

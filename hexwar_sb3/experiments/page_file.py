@@ -19,9 +19,15 @@ class PageRow:
 
     player: str
     opponent: str
+    camp: str
     win_rate: float
     mean_margin: float
-    points_held: tuple[float, ...]
+    points_held: tuple[float, ...]  # shares of the games with 0, 1, 2, ... of them
+
+    @property
+    def mean_points(self) -> float:
+        """Control points held, on average."""
+        return sum(k * share for k, share in enumerate(self.points_held))
 
 
 def minutes_on(folder: Path) -> float:
@@ -36,20 +42,27 @@ def minutes_on(folder: Path) -> float:
     return float(found)  # type: ignore[arg-type]
 
 
-def rows_on(folder: Path) -> list[PageRow]:
+def rows_on(folder: Path, *parts: str) -> list[PageRow]:
     """Rows of a page.
+
+    Args:
+        folder: of the run.
+        parts: of the page; "rows" if none is named, where "others" holds those of the trained player against others.
 
     Raises:
         FileFormatError: the page is broken.
     """
     path = folder / FILE
-    rows = read_json(path, "a page").get("rows")
-    if not isinstance(rows, list):
-        raise FileFormatError(path, "rows", found=repr(rows), expected="a list of rows")
-    return [PageRow(**_read(path, n, row)) for n, row in enumerate(rows)]
+    page, found = read_json(path, "a page"), list[PageRow]()
+    for part in parts or ("rows",):
+        rows = page.get(part)
+        if not isinstance(rows, list):
+            raise FileFormatError(path, part, found=repr(rows), expected="a list of rows")
+        found += [PageRow(**_read(path, f"{part}[{n}]", row)) for n, row in enumerate(rows)]
+    return found
 
 
-def _read(path: Path, n: int, row: object) -> dict[str, Any]:
+def _read(path: Path, place: str, row: object) -> dict[str, Any]:
     names = PageRow.__dataclass_fields__
     own = {name: one for name, one in row.items() if name in names} if isinstance(row, dict) else row
-    return read_fields(PageRow, own, path, place=f"rows[{n}]", whole=True)
+    return read_fields(PageRow, own, path, place=place, whole=True)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +18,9 @@ from hexwar_sb3.experiments.runs import Places, Run
 MakeFolder = Callable[..., Path]
 
 
-def page_rows(win_rate: float, margin: float) -> list[dict[str, Any]]:
+def page_rows(
+    win_rate: float, margin: float, opponents: Sequence[str] = ("MA1", "MA2")
+) -> list[dict[str, Any]]:
     """The trained player as on a page: blue as given, red 0.2 and 20 points more; two points in every other game."""
     return [
         {
@@ -29,7 +31,7 @@ def page_rows(win_rate: float, margin: float) -> list[dict[str, Any]]:
             "mean_margin": margin + 20 * (camp == "red"),
             "points_held": [0.5, 0.0, 0.5],
         }
-        for opponent in ("MA1", "MA2")
+        for opponent in opponents
         for camp in ("red", "blue")
     ]
 
@@ -48,7 +50,8 @@ def make_folder(places: Places) -> MakeFolder:
         folder = places.work / run.experiment / f"{run.name}_1"
         folder.mkdir(parents=True)
         config = {"scenario": "plain", "opponents": ["MA1", "MA2"], "decision_ticks": 75}
-        page = {"minutes": minutes, "rows": page_rows(win_rate, margin)}
+        others = page_rows(win_rate / 2, margin, ("nearest", "drawn-unseen"))
+        page = {"minutes": minutes, "rows": page_rows(win_rate, margin), "others": others}
         texts = {"config.json": json.dumps(config), "page.json": json.dumps(page), "page.txt": "page\n"}
         texts["command.txt"] = f"{run.command} --runs x --name {run.name}\n"
         for name, text in texts.items():
