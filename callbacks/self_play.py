@@ -122,7 +122,7 @@ def frozen_copy(model: BaseAlgorithm) -> Player:
         ConfigError: it learns from normalised observations, and a player gets them as they are.
     """
     if isinstance(model, QMIX):
-        return model.policy.freeze_settled()
+        return model.policy.freeze()
     normaliser = model.get_vec_normalize_env()
     if normaliser is not None and normaliser.norm_obs:
         raise ConfigError(

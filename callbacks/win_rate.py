@@ -53,7 +53,7 @@ class WinRateCallback(EverySteps):
 
     def player(self) -> Any:
         """What plays for the model as it is now."""
-        return cast("QMIX", self.model).policy.freeze_settled(**self.about)
+        return cast("QMIX", self.model).policy.freeze(**self.about)
 
     def keep_best(self, player: Any) -> None:
         """Save the model, and what played for it."""

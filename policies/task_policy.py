@@ -28,6 +28,10 @@ Observation = Mapping[str, np.ndarray]
 class TaskPolicy(TrustedFiles, BasePolicy):
     """Picks a task for every piece: the valid one with the highest Q_i.
 
+    In training the agent network plays as it is; `predict` and `freeze` take its mean over the last updates. Which task
+    is the best one changes from update to update where values are nearly alike, and now and then that loses every game
+    against somebody; the mean does not jump.
+
     Args:
         observation_space: the task env's Dict; its `state` is not needed to act.
         action_space: a task of each piece.
@@ -116,11 +120,11 @@ class TaskPolicy(TrustedFiles, BasePolicy):
             raise UnknownNameError("mixer", self.mixer_name, MIXERS)
         return MIXERS[self.mixer_name](self.shapes.n_pieces, self.state_dim, **self.mixer_kwargs)
 
-    def greedy(self, observation: Observation) -> np.ndarray:
-        """Best valid task of every piece in a batch of games [B, N]."""
+    def greedy(self, observation: Observation, agent: TaskNetwork | None = None) -> np.ndarray:
+        """Best valid task of every piece in a batch of games [B, N], by the agent network as it is, or by another."""
         with torch.no_grad():
             sets = pack_observation(observation, self.device)
-            best = sets.best(self.agent.q_values(sets))
+            best = sets.best((agent or self.agent).q_values(sets))
         return best.cpu().numpy().reshape(-1, self.shapes.n_pieces)
 
     def predict(
@@ -136,37 +140,27 @@ class TaskPolicy(TrustedFiles, BasePolicy):
                 "predict() takes the task env's dict of arrays (Gymnasium's reset() returns obs, info)"
             )
         if observation["obs"].ndim == 3:
-            return self.greedy(observation), state
-        return self.greedy({key: np.asarray(value)[None] for key, value in observation.items()})[0], state
+            return self.greedy(observation, self.agent_mean), state
+        batch = {key: np.asarray(value)[None] for key, value in observation.items()}
+        return self.greedy(batch, self.agent_mean)[0], state
 
     def forward(self, obs: PyTorchObs, deterministic: bool = True) -> Tensor:
         """Best tasks, from tensors [B, N]."""
         return self._predict(obs, deterministic)
 
     def _predict(self, observation: PyTorchObs, deterministic: bool = True) -> Tensor:
-        q = self.agent(*(observation[key] for key in ("obs", "tasks", "action_mask")))  # type: ignore[index]
+        q = self.agent_mean(*(observation[key] for key in ("obs", "tasks", "action_mask")))  # type: ignore[index]
         return q.argmax(dim=-1)
 
     def freeze(self, **about: str) -> FrozenPolicy:
-        """Copy the agent network into a policy without torch, for play, sharing and files.
+        """Copy the mean of the agent network into a policy without torch, for play, sharing and files.
 
         Args:
             about: what the policy is for: rules hash, scenario, camp, command, and so on.
         """
-        return self._freeze(self.agent, about)
-
-    def freeze_settled(self, **about: str) -> FrozenPolicy:
-        """Copy the mean of the agent network over the last updates, as `freeze` does what it is now.
-
-        Which task is the best one changes from update to update where values are nearly alike, and now and then that loses
-        every game against somebody; the mean does not jump.
-        """
-        return self._freeze(self.agent_mean, about)
-
-    def _freeze(self, agent: TaskNetwork, about: dict[str, str]) -> FrozenPolicy:
-        if not isinstance(agent, AgentNetwork):
+        if not isinstance(self.agent_mean, AgentNetwork):
             raise ConfigError("only the additive network can be frozen; train with network='additive'")
-        weights = {name: tensor.cpu().numpy().copy() for name, tensor in agent.state_dict().items()}
+        weights = {name: tensor.cpu().numpy().copy() for name, tensor in self.agent_mean.state_dict().items()}
         sizes = {"n_pieces": self.shapes.n_pieces, "n_tasks": self.shapes.n_tasks}
         return FrozenPolicy(weights, **sizes, about=about, lower=self._lower)
 

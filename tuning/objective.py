@@ -165,7 +165,7 @@ class _Report(EverySteps):
         """What plays for the model now."""
         rules = load_world(self.common.scenario).ruleset.hash
         about = {**self.common.terms(self.preset, 1).about(), "rules": rules, "side": "both"}
-        return cast("HierarchicalQMIX", self.model).policy.freeze_settled(**about)
+        return cast("HierarchicalQMIX", self.model).policy.freeze(**about)
 
     def fire(self) -> None:
         if self.reported == self.common.reports:  # the end: the objective's own games come

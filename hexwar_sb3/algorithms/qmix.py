@@ -128,7 +128,8 @@ class QMIX(TaskModel):
         train_freq: (1, "episode") trains after every finished game of any env; or (n, "step") of the VecEnv, n for short.
         gradient_steps: updates each time; those of games or steps that lie longer back are not made up for.
         target_update_interval: updates between two changes of the targets.
-        ema_tau: share of the online agent network that goes into its mean, which is evaluated and shared (`freeze_settled`).
+        ema_tau: share of the online agent network that goes into its mean, which `predict` and `freeze` take;
+            more at first: it is a mean over the last tenth of the updates.
         final_learning_rate: where the learning rate ends, in a straight line over the env steps of `learn`; None keeps it.
         mixer: "qmix", "vdn" or "iql".
         n_steps: steps of a transition; with `td_lambda` the length of its windows.

@@ -18,6 +18,8 @@ from hexwar_sb3.policies.task_policy import TaskPolicy
 
 LOSSES = {"huber": nn.functional.smooth_l1_loss, "squared": nn.functional.mse_loss}
 
+TENTH = 10
+
 
 @dataclass(frozen=True, kw_only=True)
 class TDLearner:
@@ -33,7 +35,8 @@ class TDLearner:
         max_grad_norm: gradients are clipped to it.
         tau: share of the online networks that goes into the targets.
         target_interval: updates between two changes of the targets.
-        ema_tau: share of the online agent network that goes into its mean.
+        ema_tau: share of the online agent network that goes into its mean; more at first, so that it is a mean over
+            the last tenth of the updates.
     """
 
     policy: TaskPolicy
@@ -114,5 +117,5 @@ class TDLearner:
         policy.optimizer.step()
         if number % self.target_interval == 0:
             polyak_update(policy.trained, policy.targets, self.tau)
-        share = max(self.ema_tau, 1.0 / (number + 1))  # the first updates count alike
+        share = max(self.ema_tau, TENTH / (number + TENTH))
         polyak_update(policy.agent.parameters(), policy.agent_mean.parameters(), share)

@@ -147,7 +147,7 @@ class Watch(EverySteps):
 
     def fire(self) -> None:
         """Play, and note."""
-        result = self.terms.play_as(self.camp, cast("QMIX", self.model).policy.freeze_settled(), self.player)
+        result = self.terms.play_as(self.camp, cast("QMIX", self.model).policy.freeze(), self.player)
         row = Evaluation(
             games=self.now() // self.decisions,
             win_rate=result.win_rate.value,

