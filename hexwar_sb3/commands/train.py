@@ -53,7 +53,7 @@ class Train:
     side: Literal["red", "blue", "both"] = "both"  # camp of the commander; both: in turn
     # bots' names or policy folders, NAME=WEIGHT; each game draws one; "self": copies of this commander as it was before;
     # else a broad mixture: MA1=4 MA2=4 drawn=4 nearest defender all-main half-half, and HRL0=2 on maps that it fits
-    opponents: tuple[str, ...] = ()
+    opponents: tuple[str, ...] | None = None
     self_freq: int = 24_000  # env steps between two copies of itself, where "self" is an opponent
     # "default", a file of `hexwar tune export`, or "paper": the numbers of section IV to the letter; its learning rate
     # of 0.1 learns nothing with Adam
@@ -90,9 +90,8 @@ class Train:
     learning_rate: OfPreset[float] = None  # of Adam, at the start
     final_learning_rate: OfPreset[float] = None  # learning rate at the end
     batch_size: OfPreset[int] = None  # transitions of an update
-    ema_tau: OfPreset[float] = (
-        None  # share of the network that an update adds to its mean, which is evaluated and shared
-    )
+    # share of the network that an update adds to its mean, which is evaluated and shared
+    ema_tau: OfPreset[float] = None
     gamma: OfPreset[float] = None  # discount of 75 ticks
     n_steps: OfPreset[int] = None  # env steps of a transition
     td_lambda: OfPreset[float] = None  # of lambda-returns over n_steps; else n-step returns
@@ -191,7 +190,7 @@ class Train:
     @property
     def met(self) -> tuple[str, ...]:
         """Opponents, as they were given, or the broad mixture."""
-        if self.opponents:
+        if self.opponents is not None:
             return self.opponents
         return (*OPPONENTS, *((LEARNED_OPPONENT,) if sizes(self.scenario) == sizes("plain") else ()))
 
