@@ -10,7 +10,6 @@ from typing import Any, ClassVar
 
 import numpy as np
 import torch
-from jaxtyping import Float
 from numpy.typing import NDArray
 from stable_baselines3.common.buffers import ReplayBuffer
 from stable_baselines3.common.callbacks import BaseCallback
@@ -18,7 +17,6 @@ from stable_baselines3.common.noise import ActionNoise
 from stable_baselines3.common.policies import BasePolicy
 from stable_baselines3.common.type_aliases import GymEnv, MaybeCallback, Schedule
 from stable_baselines3.common.utils import LinearSchedule
-from torch import Tensor
 
 from hexwar_sb3.algorithms.beside import Here
 from hexwar_sb3.algorithms.exploration import NO_TASK, Explorer, checked_masks, epsilon_at, random_tasks
@@ -167,9 +165,8 @@ class QMIX(TaskModel):
     attributes: ClassVar[Mapping[str, str]] = {**TaskModel.attributes, "train_freq": "update_every"}
     places: ClassVar[tuple[str, ...]] = (*TaskModel.places, "mixer")
     _mixer_alone = False  # while it alone learns
-    beside: Executor = (
-        Here()
-    )  # who computes a part of each update; `executor(2)`: another core, with the same bits
+    # Who computes a part of each update; `executor(2)`: another core, with the same bits.
+    beside: Executor = Here()
 
     def __init__(
         self,
@@ -472,16 +469,12 @@ class QMIX(TaskModel):
                 target = qmix_target(reward, batch.terminated, next_value, batch.discount)
             else:
                 target = self.learner.lambda_target(batch, reward, next_value)
-            loss = self.learner.mean_loss(batch, q_total, target) + self.further_loss(batch)
+            loss = self.learner.mean_loss(batch, q_total, target)
             if loss.requires_grad:  # not where a mixer without weights is refitted
                 (loss * (size / batch_size)).backward()  # type: ignore[no-untyped-call]
         self._n_updates += 1
         self.learner.step(self._n_updates)
         return loss.item(), q_total.mean().item()
-
-    def further_loss(self, batch: Batch) -> Float[Tensor, ""] | float:
-        """A loss beside that of the targets, for subclasses."""
-        return 0.0
 
     def _log_update(self, loss: float, q_total: float) -> None:
         self.logger.record("train/n_updates", self._n_updates, exclude="tensorboard")
