@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import cast
+from typing import Any, cast
 
 from stable_baselines3.common.callbacks import BaseCallback
 from stable_baselines3.common.vec_env import VecEnv
@@ -34,8 +34,8 @@ class GroupedSelfPlayCallback(BaseCallback):
 
     Args:
         folder: of the league.
-        settings: of the league; the scenario must be the env's, the widths the model's. Else the usual ones: split, if the
-            model plays one camp.
+        settings: of the league; the scenario must be the env's, the widths the model's. Else the usual ones, with the
+            model's widths: split, if it plays one camp.
         starters: further models to begin with, policy folders by name.
         jobs: groups, then matches, side by side: processes of joblib.
 
@@ -63,7 +63,8 @@ class GroupedSelfPlayCallback(BaseCallback):
     def _on_training_start(self) -> None:
         model = self._model()
         played = cast("TaskSettings", cast("VecEnv", model.get_env()).get_attr("games")[0].settings)
-        self.settings = self.given or LeagueSettings(split=played.side != BOTH)
+        own: dict[str, Any] = {"split": played.side != BOTH, **model.policy.sizes}
+        self.settings = self.given or LeagueSettings(**own)
         if played.scenario != self.settings.scenario:
             raise ConfigError(f"the league plays {self.settings.scenario}, the model's env {played.scenario}")
         widths = {"hidden": self.settings.hidden, "embed": self.settings.embed}

@@ -182,7 +182,8 @@ class TaskPolicy(TrustedFiles, BasePolicy):
     def take_over(self, policy: FrozenPolicy) -> None:
         """Take over the agent network of a frozen policy; the mixer stays.
 
-        A narrower network is widened: its values stay, and units that are new count for nothing until they learn.
+        A narrower network is widened: its values stay, and units that are new count for nothing until they learn. What it
+        makes of the camp that it plays stays as it is where this one is `mirrored`.
 
         Raises:
             ConfigError: it takes other features, or is wider than this one.

@@ -42,8 +42,8 @@ class SelfPlay:
     past_share: float = 0.3  # for the best of the iterations before
     # exponent by which those who beat the model are met more often; 0: by their weights alone
     priority: float = 1.0
-    hidden: int = 64  # width of the models' networks; narrower ones are widened
-    embed: int = 32  # width of a task's embedding
+    hidden: int = 128  # width of the models' networks; narrower ones are widened
+    embed: int = 64  # width of a task's embedding
     scenario: ScenarioName = "plain"
     seed: Seed = 0
     jobs: int = 1  # groups, then matches, side by side

@@ -46,7 +46,7 @@ class Table1:
 
     places: Places
     seeds: tuple[int, ...] = (0, 1, 2, 3)  # of the warm-ups
-    settings: LeagueSettings = field(default_factory=lambda: LeagueSettings(hidden=128, embed=64))
+    settings: LeagueSettings = field(default_factory=LeagueSettings)
     lessons: Lessons = field(default_factory=lambda: Lessons(games=800, updates=4_000))
     cai_games: int = 12_000  # that CAI learns from after it was distilled
     games: int = 2_000  # a cell

@@ -76,8 +76,8 @@ class LeagueSettings:
     scenario: str = "plain"
     seed: int = 0
     n_envs: int = 32
-    hidden: int = 64  # width of the agent networks; narrower ones that the league begins with are widened
-    embed: int = 32  # width of a task's embedding
+    hidden: int = 128  # width of the agent networks; narrower ones that the league begins with are widened
+    embed: int = 64  # width of a task's embedding
     learner: dict[str, Any] = field(default_factory=lambda: dict(LEARNER))
 
     def __post_init__(self) -> None:

@@ -20,7 +20,7 @@ from hexwar_sb3.league.settings import LeagueSettings
 from hexwar_sb3.play.lower_policy import FrozenLower, fastest_way_network
 
 TINY = LeagueSettings(
-    keep=1, iterations=1, games=2, refit_games=1, match_games=1, warm_up_games=1, n_envs=2, split=True, bots=("MA1",),
+    keep=1, iterations=1, games=2, refit_games=1, match_games=1, warm_up_games=1, n_envs=2, split=True, bots=("MA1",), hidden=64, embed=32,
     learner={"learning_starts": 0, "buffer_size": 100, "batch_size": 8},
 )  # fmt: skip
 SMALL: dict[str, Any] = {"learning_starts": 0, "buffer_size": 100, "batch_size": 8, "seed": 0}
@@ -82,6 +82,17 @@ def test_both_levels_are_taken_over(tmp_path: Path) -> None:
     assert isinstance(again.policy.lower, FrozenLower)
     for name, weights in fastest_way_network().weights.items():
         np.testing.assert_array_equal(again.policy.lower.weights[name], weights)
+
+
+@pytest.mark.parametrize(("side", "split"), [("both", False), ("red", True)])
+def test_without_settings_the_league_is_the_models_own(
+    side: str, split: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    callback = GroupedSelfPlayCallback(tmp_path)
+    monkeypatch.setattr(callback, "_play", lambda *_: None)
+    qmix(side=side).learn(1, callback=callback)
+
+    assert (callback.settings.split, callback.settings.hidden, callback.settings.embed) == (split, 64, 32)
 
 
 def test_another_map_or_model_is_refused(tmp_path: Path) -> None:

@@ -22,6 +22,8 @@ TINY: dict[str, Any] = {
     "match_games": 2,
     "warm_up_games": 2,
     "n_envs": 2,
+    "hidden": 64,
+    "embed": 32,
     "learner": {"learning_starts": 0, "buffer_size": 200, "batch_size": 8, "learning_rate": 1e-3},
 }
 """A league of seconds."""

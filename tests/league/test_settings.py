@@ -6,6 +6,7 @@ from typing import Any
 
 import pytest
 
+from hexwar_sb3.algorithms.presets import PRESETS
 from hexwar_sb3.errors import HexWarError
 from hexwar_sb3.league.settings import LeagueSettings
 
@@ -44,6 +45,13 @@ WRONG: dict[str, tuple[dict[str, Any], str]] = {
         "learning_rate of the learner must be a number",
     ),
 }
+
+
+def test_a_league_takes_what_hexwar_train_makes() -> None:
+    made, widest = PRESETS["default"].learner["policy_kwargs"], LeagueSettings()
+
+    assert made["hidden"] <= widest.hidden
+    assert made["embed"] <= widest.embed
 
 
 @pytest.mark.parametrize("what", WRONG)
