@@ -25,6 +25,7 @@ class WinRateCallback(EverySteps):
         terms: of the games; their purpose is selection.
         folder: gets `evaluations.npz`, `learning_curve.png`, `best_model.zip` and `policy/`, the best one.
         about: texts for `policy/config.json`.
+        threads: opponents side by side.
     """
 
     def __init__(
@@ -35,8 +36,10 @@ class WinRateCallback(EverySteps):
         *,
         folder: Path,
         about: Mapping[str, str] | None = None,
+        threads: int = 1,
     ) -> None:
         super().__init__(every)
+        self.threads = threads
         self.opponents, self.terms, self.folder, self.about = opponents, terms, folder, dict(about or {})
         self.history = History()
 
@@ -64,7 +67,7 @@ class WinRateCallback(EverySteps):
         """Evaluate, record, draw, and save the model if it is the best so far."""
         best = max((result.mean_margin.value for result in self.history.results), default=float("-inf"))
         player, now = self.player(), self.now()
-        panel = play_panel(player, self.opponents, self.terms, name="trained")
+        panel = play_panel(player, self.opponents, self.terms, name="trained", threads=self.threads)
         result = self.history.add(now, self.ticks(), panel)
         self.logger.record("eval/win_rate", result.win_rate.value)
         self.logger.record("eval/mean_margin", result.mean_margin.value)

@@ -35,6 +35,7 @@ def write_page(
     n_timesteps: int,
     minutes: float,
     met: Sequence[Mapping[str, Any]] = (),
+    threads: int = 1,
 ) -> tuple[dict[str, Any], str]:
     """Play fresh games of every player against MA1 and MA2, and of the trained one against others.
 
@@ -48,15 +49,14 @@ def write_page(
         n_timesteps: env steps of the training.
         minutes: wall time of the training.
         met: who was met in it (`met_by`).
+        threads: cells side by side.
     """
     fewer = replace(terms, games=max(1, terms.games // OTHERS_SHARE))
     games = len(players) * len(BOTS) * terms.games + len(OTHERS) * fewer.games
     with games_bar(games * len(terms.camps)) as progress:
-        panels = {
-            name: play_panel(player, BOTS, terms, name=name, progress=progress)
-            for name, player in players.items()
-        }
-        others = play_panel(players[TRAINED], OTHERS, fewer, name=TRAINED, progress=progress)
+        how: Any = {"threads": threads, "progress": progress}
+        panels = {name: play_panel(player, BOTS, terms, name=name, **how) for name, player in players.items()}
+        others = play_panel(players[TRAINED], OTHERS, fewer, name=TRAINED, **how)
     rows = [row for panel in panels.values() for row in panel.summary()]
     figures = {
         "command": (folder.path / "command.txt").read_text(encoding="utf-8").strip(),

@@ -48,12 +48,13 @@ INTERRUPTED = 130  # exit code after Ctrl-C
 def train(settings: Train, model: QMIX, folder: RunFolder) -> int:
     """Train as the settings say; return the exit code."""
     start = monotonic()
-    model.beside = executor(torch.get_num_threads())
+    threads = torch.get_num_threads()
+    model.beside = executor(threads)
     torch.set_num_threads(1)  # else sums would have other bits
     print(f"run folder: {folder.path}", file=sys.stderr)
     if model.num_timesteps == 0:
         model.policy.freeze(**about(settings)).save(folder.untrained)
-    if not learn(model, settings, folder):
+    if not learn(model, settings, folder, threads):
         saved = folder.checkpoint.exists()
         print(
             f"\nstopped; go on with: hexwar train --resume {folder.path}" if saved else "\nstopped, not saved"
@@ -75,6 +76,7 @@ def train(settings: Train, model: QMIX, folder: RunFolder) -> int:
         n_timesteps=settings.n_timesteps,
         minutes=(monotonic() - start) / 60 + folder.minutes_before(),
         met=met_by(cast("VecEnv", model.env)),
+        threads=threads,
     )
     if settings.json:
         print_json({**figures, "run": str(folder.path)})
@@ -107,8 +109,8 @@ def _places(folder: RunFolder) -> str:
     return "\n".join(f"{name:<{width}}  {path}" for name, path in places.items())
 
 
-def learn(model: QMIX, settings: Train, folder: RunFolder) -> bool:
-    """Let the model learn; False after Ctrl-C."""
+def learn(model: QMIX, settings: Train, folder: RunFolder, threads: int) -> bool:
+    """Let the model learn, and play in so many threads meanwhile; False after Ctrl-C."""
     model.set_logger(new_logger(folder.path))
     checkpoint = Checkpoint(settings.save_freq, folder.checkpoint)
     try:
@@ -116,7 +118,7 @@ def learn(model: QMIX, settings: Train, folder: RunFolder) -> bool:
             model.learn(
                 settings.n_timesteps - model.num_timesteps,
                 # The checkpoint last: what else is due at this step is then done, or due again after a resume.
-                callback=CallbackList([*watchers(settings, folder), checkpoint]),
+                callback=CallbackList([*watchers(settings, folder, threads), checkpoint]),
                 log_interval=LOG_EVERY_GAMES,
                 reset_num_timesteps=False,
             )
@@ -203,12 +205,11 @@ def about(settings: Train) -> dict[str, str]:
     return {"rules": rules, "side": settings.side, "seed": str(settings.seed), **settings.terms().about()}
 
 
-def watchers(settings: Train, folder: RunFolder) -> list[BaseCallback]:
+def watchers(settings: Train, folder: RunFolder, threads: int = 1) -> list[BaseCallback]:
     """Build the callbacks that look at the training."""
     terms = settings.terms(games=settings.eval_games, purpose=Purpose.SELECTION)
-    win_rate = WinRateCallback(
-        settings.eval_freq, settings.named_opponents, terms, folder=folder.path, about=about(settings)
-    )
+    how: Any = {"folder": folder.path, "about": about(settings), "threads": threads}
+    win_rate = WinRateCallback(settings.eval_freq, settings.named_opponents, terms, **how)
     bar = [ProgressBar(settings.n_timesteps)] if settings.progress else []
     return [*shares_of(settings.chosen, settings.games), *self_play(settings, folder), win_rate, *bar]
 

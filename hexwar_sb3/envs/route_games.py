@@ -12,28 +12,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hexwar_sb3.engine.fields import check_all, check_form, check_names, check_range
-from hexwar_sb3.engine.pieces import on_map
 from hexwar_sb3.engine.records import NEVER, NO_CELL, NO_PIECE
 from hexwar_sb3.engine.roster import parse_camp
 from hexwar_sb3.envs.route_settings import RANDOM_UPPER, Field, RouteSettings
 from hexwar_sb3.envs.task_games import CAMPS_OF, TaskGames
+from hexwar_sb3.envs.turns import NO_FOCUS, send_away, take_turns
 from hexwar_sb3.errors import ConfigError
 from hexwar_sb3.kernels import Rows
-from hexwar_sb3.maps.geometry import cells_apart
 from hexwar_sb3.play.arena import Games, Snapshot
 from hexwar_sb3.play.fit import check_fit, check_tasks
-from hexwar_sb3.play.lower import asks
 from hexwar_sb3.play.lower_policy import FrozenLower, Lower
 from hexwar_sb3.play.player import BotPlayer, Player, given_name, make_player
 from hexwar_sb3.play.seeds import rng_array, rng_state
 from hexwar_sb3.rules.enums import Camp
-from hexwar_sb3.tasks.choose import assign
 from hexwar_sb3.tasks.features import PER_HOP, index
 from hexwar_sb3.tasks.records import ENDED, TaskKind
-from hexwar_sb3.tasks.route import N_ANSWERS, STAY, has_way, new_route_buffers
+from hexwar_sb3.tasks.route import N_ANSWERS, STAY, new_route_buffers
 
-NO_FOCUS = -1
-WANDER_CELLS = 40  # farthest goal of a walk to a random cell
 DROP_SHARE = 0.5  # of such walks of a chariot: it sets its passenger down, who else would hardly ever walk
 _WAY = index("route", 1, 1, 1)["goal: way"].start
 _TASK_FIELDS = ("kind", "target", "cell")
@@ -141,12 +136,9 @@ class RouteGames:
         """
         waited, ticks = np.zeros(self.n_games, np.int64), self.arena.state.games.tick
         whole = np.zeros(self.n_games, np.bool_)  # the game was waited for from its beginning
-        for b in which.tolist():
-            self._let_go(b)
+        self._let_go(which)
         while which.size:
-            for b in which.tolist():
-                if not self._is_bound(b):
-                    self._take(b)
+            self._take_turns(which)
             waited[which] -= ticks[which]
             self.arena.advance(which)
             waited[which] += ticks[which]
@@ -231,8 +223,7 @@ class RouteGames:
         self.arena.plans[which.repeat(pieces.shape[1])[kept.ravel()], pieces[kept]] = before[kept]
         wanders = ~kept & (self.rng.random(pieces.shape) < self.settings.wander)
         wanders |= self._idle[which, None]
-        for row, slot in np.argwhere(wanders):
-            self._wander(int(which[row]), int(pieces[row, slot]))
+        self._wander(which.repeat(pieces.shape[1])[wanders.ravel()], pieces[wanders])
         self.arena.plans.chosen_at[at] = self.arena.state.games.tick[which][:, None]
 
     def _own_pieces(self, which: Games) -> NDArray[np.int64]:
@@ -246,22 +237,15 @@ class RouteGames:
         """Draw a valid task for every piece: mask [..., K] -> [...]."""
         return np.asarray((self.rng.random(mask.shape) * mask).argmax(axis=-1))
 
-    def _wander(self, b: int, i: int) -> None:
-        """Send a piece to a random cell that it can reach, so that ways lead everywhere, not to few spots."""
-        piece, world = self._pieces[b, i], self.arena.world
-        if not on_map(piece):
-            return
-        if piece.passenger != NO_PIECE and self.rng.random() < DROP_SHARE:
-            assign(
-                self.arena.plans[b, i], TaskKind.DROP, NO_PIECE, piece.cell, self.arena.state.games.tick[b]
-            )
-            return
-        goal = int(self.rng.choice(self._passable))
-        apart = cells_apart(world.cells, piece.cell, goal)
-        if apart <= WANDER_CELLS and has_way(
-            piece.kind, piece.cell, goal, world.rules[0], world.cells, world.eta
-        ):
-            assign(self.arena.plans[b, i], TaskKind.HOLD, NO_PIECE, goal, self.arena.state.games.tick[b])
+    def _wander(self, which: Games, own: NDArray[np.int64]) -> None:
+        """Send pieces own[k] of games which[k] to random cells that they can reach; some set their passenger down."""
+        goals = self._passable[self.rng.integers(len(self._passable), size=len(own))]
+        drops = self.rng.random(len(own)) < DROP_SHARE
+        state, world = self.arena.state, self.arena.world
+        send_away(
+            which, own, goals, drops, state.games, state.pieces, self.arena.plans,
+            world.rules[0], world.cells, world.eta,
+        )  # fmt: skip
 
     def _play_on(self, which: Games, hop: Hop) -> None:
         """Advance until the focal piece asks or its route is over; note how it ended."""
@@ -302,26 +286,22 @@ class RouteGames:
         return (self.arena.drives.waiting[which] >> self.focus.piece[which].astype(np.uint32)) & 1 == 1
 
     def _starts(self, which: Games) -> NDArray[np.bool_]:
-        """The focal piece asks for its way, and has one to go: the route begins [n]."""
-        started = (self.focus.piece[which] != NO_FOCUS) & self._asks(which)
-        for k in np.flatnonzero(started):
-            started[k] = self._begin_route(int(which[k]))
-        return started
+        """The focal piece asks for its way, and has one to go: the route begins, and its task is noted [n].
 
-    def _begin_route(self, b: int) -> bool:
-        """Note the task of the focal piece; one that is in the right place already has no route."""
-        piece, plan = (
-            self.arena.state.pieces[b, self.focus.piece[b]],
-            self.arena.plans[b, self.focus.piece[b]],
-        )
+        One that is in the right place already stays there, and has no route.
+        """
+        focal = self.focus.piece[which]
+        started = (focal != NO_FOCUS) & self._asks(which)
+        begun, focal = which[started], focal[started]
+        piece, plan = self._pieces[begun, focal], self.arena.plans[begun, focal]
         for name in _TASK_FIELDS:
-            getattr(self.focus, name)[b] = plan[name]
-        self.focus.hops[b] = 0
-        if plan.goal != piece.cell:
-            return True
-        self.arena.tell(np.array([b]), self.focus.piece[[b]], np.array([STAY]))
-        self._let_go(b)
-        return False
+            getattr(self.focus, name)[begun] = plan[name]
+        self.focus.hops[begun] = 0
+        there = plan.goal == piece.cell
+        self.arena.tell(begun[there], focal[there], np.full(there.sum(), STAY))
+        self._let_go(begun[there])
+        started[started] = ~there
+        return started
 
     def _same_task(self, which: Games) -> NDArray[np.bool_]:
         """The focal piece still has the task that its route is for [n]."""
@@ -330,28 +310,18 @@ class RouteGames:
             [plans[name] == getattr(self.focus, name)[which] for name in _TASK_FIELDS]
         )
 
-    def _let_go(self, b: int) -> None:
-        """Nobody outside answers for game b's pieces any more."""
-        self.focus.piece[b] = NO_FOCUS
-        self.arena.lead_outside(b, ())
+    def _let_go(self, which: Games) -> None:
+        """Nobody outside answers for pieces of these games any more."""
+        self.focus.piece[which] = NO_FOCUS
+        self.arena.lead_outside(which, np.zeros(len(which), np.uint32))
 
-    def _take(self, b: int) -> None:
-        """Make the next piece that has somewhere to go the focal one; nobody if there is none."""
-        side = self.arena.world.side(int(self.tasks.camps[b]))
-        n = side.stop - side.start
-        for slot in ((self.focus.turn[b] + k) % n for k in range(1, n + 1)):
-            if self._may_go(b, side.start + slot):
-                self.focus.piece[b], self.focus.turn[b] = side.start + slot, slot
-                self.arena.lead_outside(b, (side.start + slot,))
-                return
-
-    def _may_go(self, b: int, i: int) -> bool:
-        piece, plan = self.arena.state.pieces[b, i], self.arena.plans[b, i]
-        return bool(piece.blood > 0 and piece.carrier == NO_PIECE and plan.state != ENDED and asks(plan))
-
-    def _is_bound(self, b: int) -> bool:
-        """Game b has a focal piece that will ask, sooner or later."""
-        return bool(self.focus.piece[b] != NO_FOCUS and self._may_go(b, int(self.focus.piece[b])))
+    def _take_turns(self, which: Games) -> None:
+        """Make the next piece that has somewhere to go the focal one, where the focal one has not."""
+        own = self._own_pieces(which)
+        take_turns(
+            which, own[:, 0], own.shape[1], self._pieces, self.arena.plans, self.focus.piece, self.focus.turn
+        )
+        self.arena.lead_outside(which, _bits(self.focus.piece[which]))
 
     def _new_hop(self) -> Hop:
         n = self.n_games
@@ -383,8 +353,7 @@ class RouteGames:
         self.tasks.restore(self._of_tasks(snapshot), self._waiting(snapshot))
         for name, value in vars(self.focus).items():
             value[...] = snapshot[f"focus_{name}"]
-        for b, piece in enumerate(self.focus.piece.tolist()):
-            self.arena.lead_outside(b, (piece,))
+        self.arena.lead_outside(self.all, _bits(self.focus.piece))
         self.arena.drives.waiting = self._waiting(snapshot)
         self.rng.bit_generator.state = rng_state(snapshot["rng"], "rng")
 
@@ -434,7 +403,12 @@ class RouteGames:
 
     def _waiting(self, snapshot: Snapshot) -> NDArray[np.uint32]:
         """Bit of the focal piece of each game: it waits [n]."""
-        return np.uint32(1) << snapshot["focus_piece"].astype(np.uint32)
+        return _bits(snapshot["focus_piece"])
+
+
+def _bits(focal: NDArray[np.int64]) -> NDArray[np.uint32]:
+    """Bit i for focal piece i; none for NO_FOCUS [n]."""
+    return np.where(focal == NO_FOCUS, 0, 1 << np.maximum(focal, 0)).astype(np.uint32)
 
 
 def check_leader(lower: Lower) -> Lower:

@@ -249,8 +249,9 @@ class TaskGames:
                 self.arena.sit(int(b), camp, seat)
             self._lead(int(b))
         self.arena.restore(snapshot)
-        for b in self.all:
-            self.arena.lead_outside(int(b), ())  # as the lower levels here have it
+        self.arena.lead_outside(
+            self.all, np.zeros(len(self.all), np.uint32)
+        )  # as the lower levels here have it
         return self.look(self.all)
 
     def check(

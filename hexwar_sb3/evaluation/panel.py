@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Any
 
@@ -170,6 +171,7 @@ def play_panel(
     terms: Terms,
     *,
     name: str,
+    threads: int = 1,
     progress: Callable[[int], object] | None = None,
 ) -> Panel:
     """Play every opponent in every camp of the player, on the same seeds each time.
@@ -179,12 +181,15 @@ def play_panel(
         opponents: names or folders.
         terms: scenario, games a cell, seed, and so on.
         name: what the player is called in tables.
+        threads: cells side by side; more than 1 for players that keep nothing from decision to decision.
         progress: called with the number of games of each part that was played.
     """
-    cells: dict[Cell, CampResult] = {}
-    for opponent in opponents:
-        for camp in terms.camps:
-            cells[opponent, camp] = terms.play_as(camp, player, opponent)
+    cells = [(opponent, camp) for opponent in opponents for camp in terms.camps]
+    played: dict[Cell, CampResult] = {}
+    with ThreadPoolExecutor(threads) as pool:
+        results = pool.map(lambda cell: terms.play_as(cell[1], player, cell[0]), cells)
+        for cell, result in zip(cells, results, strict=True):
+            played[cell] = result
             if progress is not None:
-                progress(cells[opponent, camp].games)
-    return Panel(name, cells)
+                progress(result.games)
+    return Panel(name, played)

@@ -150,14 +150,20 @@ class Arena:
             self.drives[b].lower[camp] = KEPT
             self.drives[b].kept[self.world.side(int(camp))] = kept
 
-    def lead_outside(self, b: int, pieces: Iterable[int]) -> None:
-        """Let the caller answer for these pieces of game b, and for no others: `advance` stops where they ask.
+    def lead_outside(self, which: Games, pieces: NDArray[np.uint32]) -> None:
+        """Let the caller answer for some pieces of these games, and no others: `advance` stops where they ask.
 
         What callables lead stays with them.
+
+        Args:
+            which: games [n].
+            pieces: bit i for piece i [n].
         """
-        led = sum(_bits(self.world.side(camp)) for game, camp in self._answerers if game == b)
-        self.drives[b].outside = np.uint32(led | sum(1 << i for i in pieces))
-        self.drives[b].waiting &= self.drives[b].outside
+        led = pieces.astype(np.uint32)
+        for game, camp in self._answerers:
+            led[which == game] |= np.uint32(_bits(self.world.side(camp)))
+        self.drives.outside[which] = led
+        self.drives.waiting[which] &= led
 
     def _number(self, lower: FrozenLower) -> int:
         """Row of a network in `nets`; a new one is put there."""

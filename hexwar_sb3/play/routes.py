@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from hexwar_sb3.engine.pieces import hop_from
 from hexwar_sb3.engine.world import World, load_world
 from hexwar_sb3.errors import ConfigError
+from hexwar_sb3.kernels import Row, Rows, kernel
 from hexwar_sb3.maps.geometry import cells_apart, frame_direction
 from hexwar_sb3.maps.scenario import PieceStart, Scenario
 from hexwar_sb3.play.lower_policy import FrozenLower, check_answers, make_lower
@@ -36,9 +37,14 @@ class Routes:
     cell: NDArray[np.int64]
     goal: NDArray[np.int64]
 
-    def part(self, which: NDArray[np.bool_]) -> Routes:
-        """Some of the routes."""
-        return Routes(*(value[which] for value in vars(self).values()))
+    @property
+    def columns(self) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
+        """Kind, camp, cell, goal [n]."""
+        return self.kind, self.camp, self.cell, self.goal
+
+    def part(self, which: NDArray[Any]) -> Routes:
+        """Some of the routes, by number or by a mask."""
+        return Routes(*(value[which] for value in self.columns))
 
 
 @dataclass(frozen=True)
@@ -75,9 +81,7 @@ def measure_routes(
     world = load_world(scenario)
     rng = np.random.default_rng(seed)
     drawn = [draw_routes(world, piece, routes, rng) for piece in world.scenario.pieces]
-    all_routes = Routes(
-        *(np.concatenate(values) for values in zip(*(vars(r).values() for r in drawn), strict=True))
-    )
+    all_routes = Routes(*(np.concatenate(values) for values in zip(*(r.columns for r in drawn), strict=True)))
     walk = _walk(world, all_routes, _leader(lower))
     kinds = [kind for kind in PieceType if (all_routes.kind == kind).any()]
     results = [walk.result(kind.name.lower(), all_routes.kind == kind) for kind in kinds]
@@ -86,16 +90,11 @@ def measure_routes(
 
 def draw_routes(world: World, piece: PieceStart, count: int, rng: np.random.Generator) -> Routes:
     """Routes of one piece from its start to random cells that it can reach."""
-    cells, goals = world.cells, []
-    for goal in rng.permutation(np.flatnonzero(cells.passable == 1)).tolist():
-        far = LENGTHS[0] <= cells_apart(cells, piece.cell, goal) <= LENGTHS[1]
-        if far and has_way(piece.kind, piece.cell, goal, world.rules[0], cells, world.eta):
-            goals.append(goal)
-        if len(goals) == count:
-            break
-    n = len(goals)
-    camps, kinds = np.full(n, int(piece.camp)), np.full(n, int(piece.kind))
-    return Routes(kinds, camps, np.full(n, piece.cell), np.array(goals, np.int64))
+    goals = rng.permutation(np.flatnonzero(world.cells.passable == 1))
+    kind, camp, cell = (np.full(len(goals), int(value)) for value in (piece.kind, piece.camp, piece.cell))
+    long = np.zeros(len(goals), np.bool_)
+    find_long(kind, cell, goals, *LENGTHS, world.rules[0], world.cells, world.eta, long)
+    return Routes(kind, camp, cell, goals).part(long & (long.cumsum() <= count))
 
 
 @dataclass
@@ -126,35 +125,24 @@ def _walk(world: World, routes: Routes, lead: Leader) -> _Walk:
     walk = _Walk(
         _ways(world, routes), np.zeros(n, np.int64), np.zeros(n, np.bool_), *np.zeros((2, n), np.int64)
     )
-    under_way = np.ones(n, np.bool_)
-    while under_way.any():
-        rows = np.flatnonzero(under_way)
-        for row, answer in zip(rows, lead(world, routes.part(under_way)), strict=True):
-            if answer == STAY:
-                walk.finished[row] = routes.cell[row] == routes.goal[row]
-                under_way[row] = False
-            else:
-                _hop(world, routes, walk, int(row), int(answer))
-                under_way[row] = walk.ticks[row] <= TIME_LIMIT * walk.fastest[row]
+    under_way = np.arange(n)
+    while under_way.size:
+        answers = lead(world, routes.part(under_way))
+        go_on(
+            under_way, answers, *routes.columns, world.rules[0], world.cells, world.eta,
+            walk.ticks, walk.moves, walk.agreeing,
+        )  # fmt: skip
+        stayed = under_way[answers == STAY]
+        walk.finished[stayed] = routes.cell[stayed] == routes.goal[stayed]
+        in_time = walk.ticks[under_way] <= TIME_LIMIT * walk.fastest[under_way]
+        under_way = under_way[(answers != STAY) & in_time]
     return walk
 
 
-def _hop(world: World, routes: Routes, walk: _Walk, row: int, answer: int) -> None:
-    kind, here, goal = int(routes.kind[row]), int(routes.cell[row]), int(routes.goal[row])
-    direction = frame_direction(answer - 1, int(routes.camp[row]))
-    tables = world.rules[0], world.cells
-    hop = hop_from(kind, here, direction, *tables)
-    there = int(world.cells[here].neighbour[direction])
-    rest = travel_ticks(kind, there, goal, *tables, world.eta)
-    walk.agreeing[row] += hop + rest == travel_ticks(kind, here, goal, *tables, world.eta)
-    walk.moves[row] += 1
-    walk.ticks[row] += hop
-    routes.cell[row] = there
-
-
 def _ways(world: World, routes: Routes) -> NDArray[np.int64]:
-    pairs = zip(routes.kind.tolist(), routes.cell.tolist(), routes.goal.tolist(), strict=True)
-    return np.array([travel_ticks(*pair, world.rules[0], world.cells, world.eta) for pair in pairs], np.int64)
+    ticks = np.zeros(routes.kind.size, np.int64)
+    time_routes(routes.kind, routes.cell, routes.goal, world.rules[0], world.cells, world.eta, ticks)
+    return ticks
 
 
 def _leader(lower: object) -> Leader:
@@ -173,21 +161,73 @@ def _leader(lower: object) -> Leader:
 
 def _observe(world: World, routes: Routes, ways: bool) -> tuple[NDArray[np.float32], NDArray[np.int8]]:
     states, masks = new_route_buffers(routes.kind.size)
-    for k in range(routes.kind.size):
-        observe_route(
-            routes.kind[k], routes.camp[k], TaskKind.HOLD, routes.cell[k], routes.goal[k], ways,
-            world.rules[0], world.cells, world.eta, states[k], masks[k],
-        )  # fmt: skip
+    observe_routes(*routes.columns, ways, world.rules[0], world.cells, world.eta, states, masks)
     return states, masks
 
 
 def _heuristic(world: World, routes: Routes) -> NDArray[np.int64]:
     answers = np.zeros(routes.kind.size, np.int64)
-    for k in range(routes.kind.size):
-        direction = next_direction(
-            routes.kind[k], routes.camp[k], routes.cell[k], routes.goal[k], False,
-            world.rules[0], world.cells, world.eta,
-        )  # fmt: skip
-        if routes.cell[k] != routes.goal[k]:
-            answers[k] = 1 + frame_direction(direction, int(routes.camp[k]))
+    follow_ways(*routes.columns, world.rules[0], world.cells, world.eta, answers)
     return answers
+
+
+# Loops over routes: kind, camp, cell, goal [n] are those of `Routes`; the last arguments are written.
+
+
+@kernel
+def find_long(
+    kind: Rows, cell: Rows, goal: Rows, least: int, most: int, rules: Row, cells: Rows, eta: Rows, out: Rows
+) -> None:  # fmt: skip
+    """Whether each goal can be reached and is so many cells away, as the crow flies: out [n]."""
+    for k in range(kind.size):
+        far = least <= cells_apart(cells, cell[k], goal[k]) <= most
+        out[k] = far and has_way(kind[k], cell[k], goal[k], rules, cells, eta)
+
+
+@kernel
+def time_routes(kind: Rows, cell: Rows, goal: Rows, rules: Row, cells: Rows, eta: Rows, ticks: Rows) -> None:
+    """Fastest time of each route: ticks [n]."""
+    for k in range(kind.size):
+        ticks[k] = travel_ticks(kind[k], cell[k], goal[k], rules, cells, eta)
+
+
+@kernel
+def observe_routes(
+    kind: Rows, camp: Rows, cell: Rows, goal: Rows, ways: bool, rules: Row, cells: Rows, eta: Rows, states: Rows,
+    masks: Rows,
+) -> None:  # fmt: skip
+    """What the lower level reads on each route: states f4 [n, Dl], masks i1 [n, 7]."""
+    for k in range(kind.size):
+        observe_route(
+            kind[k], camp[k], TaskKind.HOLD, cell[k], goal[k], ways, rules, cells, eta, states[k], masks[k]
+        )
+
+
+@kernel
+def follow_ways(
+    kind: Rows, camp: Rows, cell: Rows, goal: Rows, rules: Row, cells: Rows, eta: Rows, answers: Rows
+) -> None:
+    """Answers of the heuristic [n]."""
+    for k in range(kind.size):
+        direction = next_direction(kind[k], camp[k], cell[k], goal[k], False, rules, cells, eta)
+        answers[k] = STAY if cell[k] == goal[k] else 1 + frame_direction(direction, camp[k])
+
+
+@kernel
+def go_on(
+    which: Rows, answers: Rows, kind: Rows, camp: Rows, cell: Rows, goal: Rows, rules: Row, cells: Rows, eta: Rows,
+    ticks: Rows, moves: Rows, agreeing: Rows,
+) -> None:  # fmt: skip
+    """Let piece which[k] make the hop answers[k], if it is one: cell, ticks, moves, and those on a fastest way [n]."""
+    for k in range(which.size):
+        if answers[k] == STAY:
+            continue
+        i = which[k]
+        direction = frame_direction(answers[k] - 1, camp[i])
+        hop = hop_from(kind[i], cell[i], direction, rules, cells)
+        there = cells[cell[i]].neighbour[direction]
+        rest = travel_ticks(kind[i], there, goal[i], rules, cells, eta)
+        agreeing[i] += hop + rest == travel_ticks(kind[i], cell[i], goal[i], rules, cells, eta)
+        moves[i] += 1
+        ticks[i] += hop
+        cell[i] = there

@@ -64,3 +64,13 @@ def test_a_panel_has_a_cell_for_each_opponent_and_camp() -> None:
     ]
     assert panel.total.games == 8
     assert panel.against("random").games == 4
+
+
+def test_two_threads_play_the_games_of_one() -> None:
+    one, two = (
+        play_panel("nearest", ["MA1", "drawn"], Terms(games=8), name="nearest", threads=threads)
+        for threads in (1, 2)
+    )
+
+    assert one.summary() == two.summary()
+    assert list(one.cells) == list(two.cells)

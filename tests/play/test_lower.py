@@ -198,12 +198,16 @@ def test_every_camp_has_its_own_network(world: World) -> None:
     assert not same(games, played_out(seated(world, Picker(other), Picker(one))))
 
 
+def bits(*pieces: int) -> NDArray[np.uint32]:
+    return np.array([sum(1 << i for i in pieces)], np.uint32)
+
+
 def two_seats(world: World, piece: int | None) -> Arena:
     """Nobody picks red's tasks but the test, a bot plays blue; `piece`, if any, is led by the test."""
     arena = Arena(world, 1, Setup())
     arena.begin(0, game_seed(7, 0), None, make_player("nearest"))
     if piece is not None:
-        arena.lead_outside(0, (piece,))
+        arena.lead_outside(ONE, bits(piece))
     return arena
 
 
@@ -263,7 +267,7 @@ def test_a_loop_that_waits_can_be_entered_again_and_restored(world: World) -> No
     pieces = range(7)
     arena, other = two_seats(world, None), two_seats(world, None)
     for one in (arena, other):
-        one.lead_outside(0, pieces)
+        one.lead_outside(ONE, bits(*pieces))
     waits = 0
     while not arena.over(ONE)[0]:
         decide(arena)
@@ -294,7 +298,7 @@ def test_a_piece_that_is_let_go_is_led_by_its_camps_lower_level_again(world: Wor
     arena.advance(ONE)
     assert arena.waiting(0, Camp.RED).tolist() == [0]
 
-    arena.lead_outside(0, ())
+    arena.lead_outside(ONE, bits())
     while not arena.over(ONE)[0]:
         decide(arena)
         arena.advance(ONE)
