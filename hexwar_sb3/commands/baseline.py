@@ -11,7 +11,7 @@ from abc import abstractmethod
 from dataclasses import dataclass
 from pathlib import Path
 from time import monotonic
-from typing import Any, ClassVar, cast
+from typing import Any, ClassVar, Literal, cast
 
 import torch
 import tyro
@@ -45,7 +45,6 @@ class Baseline:
     module: ClassVar[str]  # run as `python -m`
     algorithm: ClassVar[type[BaseAlgorithm]]
     env: ClassVar[str]
-    env_settings: ClassVar[dict[str, Any]] = {}
 
     games: int = 10_000
     seed: Seed = 0
@@ -53,6 +52,7 @@ class Baseline:
     opponents: tuple[str, ...] = BOTS  # each game draws one
     decision_ticks: int = 75
     n_envs: int = 16  # games side by side
+    reward: Literal["paper", "net"] = "net"  # margin by eq. (1), or own minus enemy
     reward_scale: float = 50.0  # points that count as 1
 
     eval_freq: int = 1000  # games between two evaluations
@@ -62,6 +62,11 @@ class Baseline:
 
     name: str = "baseline"  # the run folder is RUNS/NAME_k
     runs: Path = Path("runs")
+
+    @property
+    def env_settings(self) -> dict[str, Any]:
+        """Further settings of the env."""
+        return {}
 
     @abstractmethod
     def new_model(self) -> BaseAlgorithm:
@@ -123,12 +128,15 @@ class Baseline:
             self.decisions, self.eval_freq, named(self.opponents), self.terms(), folder=folder.path
         )
         try:
-            model.learn(
-                self.most_steps, callback=CallbackList([watch, UntilGames(self.games)]), log_interval=200
-            )
+            callback = CallbackList([*self.watchers(), watch, UntilGames(self.games)])
+            model.learn(self.most_steps, callback=callback, log_interval=200)
         finally:
             model.logger.close()
         save_whole(model, folder.model)
+
+    def watchers(self) -> list[BaseCallback]:
+        """Further callbacks of the training."""
+        return []
 
     def make_env(self) -> VecEnv:
         """Make the games that it learns from."""
@@ -140,7 +148,7 @@ class Baseline:
             side="both",
             opponent=list(with_weights(self.opponents).items()),
             decision_ticks=self.decision_ticks,
-            reward="net",
+            reward=self.reward,
             **self.env_settings,
         )
         return ScaledGames(env, self.reward_scale)

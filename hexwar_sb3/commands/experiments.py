@@ -18,7 +18,7 @@ from hexwar_sb3.errors import ConfigError, UnknownNameError
 if TYPE_CHECKING:
     from hexwar_sb3.experiments.runs import Places, Run, State
 
-NAMES = ("fig7", "ablation", "seeds")
+NAMES = ("fig7", "ablation", "seeds", "rivals")
 TABLE1 = "table1"  # one pipeline instead of runs
 FAILED, INTERRUPTED = 1, 130  # exit codes
 
@@ -28,15 +28,15 @@ class Experiments:
     """Make the runs of an experiment whose results are missing, then its figure or table; go on by the same command."""
 
     # "fig7": HRL against DQN; "ablation": rows that differ in one thing; "seeds": what luck does to a training;
-    # "table1": self-play and distillation
+    # "rivals": settings of the flat DQN and of MaskablePPO; "table1": self-play and distillation
     name: tyro.conf.Positional[str]
     list: bool = False  # print what is there and what is missing, and do nothing
     only: tuple[str, ...] = ()  # runs ("vdn-0") or rows ("vdn": all its seeds); else all
-    # of every row, else 0 1 2, and 0 to 7 for "seeds"; other maps have the first of them
+    # of every row, else 0 1 2; 0 to 7 for "seeds", where other maps have the first of them; 0 for "rivals"
     seeds: tuple[int, ...] = ()
-    games: int | None = None  # of a run; else 10,000, and 5,000 for the ablation
+    games: int | None = None  # of a run; else 10,000; 5,000 for the ablation, and 2,000 for "rivals"
     eval_games: int = 64  # an opponent and colour, at each of the ten points of a curve
-    final_games: int | None = None  # an opponent and colour, on the page of a run; else 2,000 and 700
+    final_games: int | None = None  # an opponent and colour, on the page of a run; else 2,000, 700 and 200
     jobs: int = 1  # runs side by side
     results: Path = Path("results")  # small files that are kept: RESULTS/EXPERIMENT/RUN/
     work: Path = Path("runs/experiments")  # run folders
@@ -106,7 +106,7 @@ class Experiments:
             UnknownNameError: there is no such experiment.
         """
         from hexwar_sb3.evaluation.seeds import Purpose, seed_for
-        from hexwar_sb3.experiments import ablation, fig7, seeds
+        from hexwar_sb3.experiments import ablation, fig7, rivals, seeds
         from hexwar_sb3.experiments.runs import Budget
 
         if self.name not in NAMES:
@@ -116,7 +116,7 @@ class Experiments:
             raise ConfigError(f"name seeds, each of them once; got {self.seeds}")
         for seed in self.seeds:
             seed_for(Purpose.REPORT, seed)
-        module = {"fig7": fig7, "ablation": ablation, "seeds": seeds}[self.name]
+        module = {"fig7": fig7, "ablation": ablation, "seeds": seeds, "rivals": rivals}[self.name]
         budget = Budget(
             games=module.GAMES if self.games is None else self.games,
             eval_games=self.eval_games,
@@ -137,12 +137,13 @@ class Experiments:
 
 def finish(name: str, runs: Sequence[Run], places: Places) -> list[Path]:
     """Draw the figure, or write the table, from the results that are there; the files."""
-    from hexwar_sb3.experiments import fig7, seeds
+    from hexwar_sb3.experiments import fig7, rivals, seeds
 
     folder = places.results / name
-    if name == seeds.NAME:
-        rows = seeds.summary(runs, places)
-        text = table(seeds.HEADS, list(seeds.cells(rows)))
+    if name in (seeds.NAME, rivals.NAME):
+        module = seeds if name == seeds.NAME else rivals
+        rows = module.summary(runs, places)
+        text = table(module.HEADS, list(module.cells(rows)))
         write_text(folder / "table.txt", text + "\n")
         write_text(folder / "table.json", as_json(rows) + "\n")
         print(text)

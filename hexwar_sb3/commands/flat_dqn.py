@@ -26,7 +26,6 @@ class FlatDqn(Baseline):
     module: ClassVar[str] = "hexwar_sb3.commands.flat_dqn"
     algorithm: ClassVar[type[BaseAlgorithm]] = DQN
     env: ClassVar[str] = FLAT_ENV
-    env_settings: ClassVar[dict[str, Any]] = {"dtype": "float16"}
 
     gamma: float = 0.99  # discount of a decision; a turn has its root by the number of pieces
     learning_rate: float = 5e-4
@@ -41,28 +40,40 @@ class FlatDqn(Baseline):
     net_arch: tuple[int, ...] = (64, 64)  # SB3's own
     name: str = "flat_dqn"
 
+    @property
+    def env_settings(self) -> dict[str, Any]:
+        """Half the memory."""
+        return {"dtype": "float16"}
+
     def new_model(self) -> DQN:
         """SB3's own DQN with our settings."""
         return DQN(
             "MlpPolicy",
             self.make_env(),
-            seed=self.seed,
-            device="cpu",
-            gamma=self.gamma ** (1 / self.pieces),
-            learning_rate=self.learning_rate,
-            buffer_size=self.buffer_size,
-            learning_starts=self.learning_games * self.decisions * self.pieces,
-            batch_size=self.batch_size,
-            train_freq=1,
-            gradient_steps=self.gradient_steps,
-            target_update_interval=self.target_update_turns,
-            exploration_fraction=self.exploration_share,
-            exploration_initial_eps=self.exploration_initial_eps,
-            exploration_final_eps=self.exploration_final_eps,
-            policy_kwargs={"net_arch": list(self.net_arch)},
+            **self.learner,
             optimize_memory_usage=True,  # half the memory; games end by themselves, none is cut short
             replay_buffer_kwargs={"handle_timeout_termination": False},
         )
+
+    @property
+    def learner(self) -> dict[str, Any]:
+        """Arguments of DQN."""
+        return {
+            "seed": self.seed,
+            "device": "cpu",
+            "gamma": self.gamma ** (1 / self.pieces),
+            "learning_rate": self.learning_rate,
+            "buffer_size": self.buffer_size,
+            "learning_starts": self.learning_games * self.decisions * self.pieces,
+            "batch_size": self.batch_size,
+            "train_freq": 1,
+            "gradient_steps": self.gradient_steps,
+            "target_update_interval": self.target_update_turns,
+            "exploration_fraction": self.exploration_share,
+            "exploration_initial_eps": self.exploration_initial_eps,
+            "exploration_final_eps": self.exploration_final_eps,
+            "policy_kwargs": {"net_arch": list(self.net_arch)},
+        }
 
     @property
     def pieces(self) -> int:

@@ -28,6 +28,8 @@ class TaskPpo(Baseline):
     batch_size: int = 256
     n_epochs: int = 4
     ent_coef: float = 0.01
+    gae_lambda: float = 0.95
+    net_arch: tuple[int, ...] = (64, 64)  # SB3's own
     name: str = "task_ppo"
 
     def new_model(self) -> MaskablePPO:
@@ -36,6 +38,7 @@ class TaskPpo(Baseline):
             name: getattr(self, name)
             for name in ("seed", "gamma", "learning_rate", "n_steps", "batch_size", "n_epochs", "ent_coef")
         }
+        how |= {"gae_lambda": self.gae_lambda, "policy_kwargs": {"net_arch": list(self.net_arch)}}
         return MaskablePPO("MultiInputPolicy", self.make_env(), device="cpu", **how)
 
     @property

@@ -21,6 +21,8 @@ class FlatEnv(gymnasium.Env[NDArray[Any], np.int64]):
     that it can get to stays. An illegal action, counted in info["illegal_actions"], names no valid task and
     stands for stop, or a direction without a way from the cell and stands for staying.
 
+    In a share of the episodes a demo bot may play the learner's seat; info["demo_actions"] then names its turn.
+
     The reward, the margin's gain by eq. (3), comes with the turn that advances time, and is 0 with the
     others; info["ticks"] is the time that was played. Only turns that advance time should discount, yet a
     stock learner has one gamma a step: for gamma a decision and N pieces give it gamma^(1/N), or 1.
@@ -29,7 +31,7 @@ class FlatEnv(gymnasium.Env[NDArray[Any], np.int64]):
 
     Args:
         render_mode: "rgb_array": `render` draws what the learner's camp knows; None: it does not.
-        settings: fields of `TaskSettings`, but for `lower`, `demo_bot`, `demo_share` and `privileged_state`.
+        settings: fields of `TaskSettings`, but for `lower` and `privileged_state`.
 
     Raises:
         UnknownNameError: no such choice.
@@ -66,6 +68,8 @@ class FlatEnv(gymnasium.Env[NDArray[Any], np.int64]):
         span = self.games.play([action])
         over = bool(span.over[0])
         info: dict[str, Any] = {"ticks": int(span.ticks[0]), "illegal_actions": int(span.illegal[0])}
+        if span.demo:
+            info["demo_actions"] = int(span.demo[0])
         if over:
             info |= self.games.outcome(0)
         return self.games.observe()[0], float(span.reward[0]), over, False, info

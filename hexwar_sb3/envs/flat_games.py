@@ -25,8 +25,6 @@ from hexwar_sb3.tasks.route import N_ANSWERS
 BEFORE_ALL = -1  # the slot that is followed by the first
 _REFUSED = {
     "lower": "its actions give the directions themselves",
-    "demo_bot": "a bot does not play by turns of single pieces",
-    "demo_share": "a bot does not play by turns of single pieces",
     "privileged_state": "its observation is the acting piece's alone",
 }
 
@@ -36,6 +34,7 @@ class FlatGames(TaskGames):
 
     A piece sees the state of the decision: the turns that others had before it change nothing yet. The
     direction of an action is kept from cell to cell until it is illegal or the piece has its next turn.
+    A demo bot's turns are named by the nearest tasks and the hops that its pieces are about to make.
     """
 
     keeps_answers = True
@@ -43,6 +42,7 @@ class FlatGames(TaskGames):
     def __init__(self, n_games: int, settings: TaskSettings, seed: int | None = None) -> None:
         super().__init__(n_games, settings, seed)
         shape = self.sight.rows.shape[:2]
+        self._first = np.array([self.arena.world.side(camp).start for camp in (Camp.RED, Camp.BLUE)])
         self.acting = np.zeros(n_games, np.int64)  # slot of the piece whose turn it is [n]
         self.picked = np.zeros(shape, np.int64)  # task indices of this decision so far [n, N]
         self.answers = np.zeros(shape, np.int64)  # 0 stay, or 1 + a direction in the camp's frame [n, N]
@@ -58,8 +58,7 @@ class FlatGames(TaskGames):
 
     def masks(self) -> NDArray[np.bool_]:
         """Legal actions of the acting pieces: a valid task, and a way from the cell or staying [n, K * 7]."""
-        first = np.array([self.arena.world.side(camp).start for camp in (Camp.RED, Camp.BLUE)])
-        _, ways = self.arena.look_routes(self.all, first[self.camps] + self.acting, ways=False)
+        _, ways = self.arena.look_routes(self.all, self._first[self.camps] + self.acting, ways=False)
         tasks = self.sight.obs["action_mask"][self.all, self.acting]
         return (tasks[:, :, None] * ways[:, None, :]).reshape(self.n_games, -1).astype(np.bool_)
 
@@ -76,17 +75,25 @@ class FlatGames(TaskGames):
         picked = check_actions(actions, (self.n_games,), axes="")
         before, start = self.scores(), self.arena.state.games.tick.astype(np.int64)
         known = (picked >= 0) & (picked < MAX_TASKS * N_ANSWERS)
-        illegal = ~(known & self.masks()[self.all, np.where(known, picked, 0)])
+        illegal = ~(known & self.masks()[self.all, np.where(known, picked, 0)]) & ~self.demos
         acting = self.all, self.acting
-        self.picked[acting], self.answers[acting] = np.divmod(picked, N_ANSWERS)
+        shown = self.picked[acting] * N_ANSWERS + self.answers[acting]
+        demo = {int(b): shown[b] for b in self.all[self.demos]}
+        self.picked[acting], self.answers[acting] = np.divmod(np.where(self.demos, shown, picked), N_ANSWERS)
         self._decide(self._pass_on(self.all, self.acting))
         return Span(
             reward=(self.scores() - before).astype(np.float32),
             over=self.arena.over(self.all),
             ticks=self.arena.state.games.tick - start,
             illegal=illegal.astype(np.int64),
-            demo={},
+            demo=demo,
         )
+
+    def under_way(self) -> NDArray[np.int64]:
+        """Action that the acting piece of each game is carrying out; -1: its task is not in its task set [n]."""
+        tasks = self.current_tasks(self.sight.obs)[self.all, self.acting]
+        kept = self.arena.drives.kept[self.all, self._first[self.camps] + self.acting]
+        return np.where(tasks < 0, -1, tasks * N_ANSWERS + kept)
 
     def _pass_on(self, which: Games, after: NDArray[np.int64] | int) -> Games:
         """Give the turn to the next living piece of each game after a slot; the games that have none."""
@@ -99,9 +106,10 @@ class FlatGames(TaskGames):
     def _decide(self, which: Games) -> None:
         """Carry out the decisions of these games, and play to the next ones; a wiped-out camp has none but the end."""
         while which.size:
-            camps = self.camps[which]
-            self.arena.choose(which, which, camps, self.picked[which], self.sight)
-            self.arena.keep_answers(which, camps, self.answers[which])
+            learns = which[~self.demos[which]]
+            if learns.size:
+                self.arena.choose(learns, learns, self.camps[learns], self.picked[learns], self.sight)
+                self.arena.keep_answers(learns, self.camps[learns], self.answers[learns])
             self._advance(which)
             lifeless = self._open(which)
             which = lifeless[~self.arena.over(lifeless)]
@@ -110,6 +118,8 @@ class FlatGames(TaskGames):
         """Look, and give the turn to the first living piece of each game; the games that have none."""
         self.look(which)
         self.picked[which], self.answers[which] = 0, 0
+        for b, tasks in self._show(which[self.demos[which]]).items():
+            self.picked[b], self.answers[b] = tasks, self.arena.name_moves(b, int(self.camps[b]))
         return self._pass_on(which, BEFORE_ALL)
 
     def _check_slots(self, snapshot: Snapshot, state: State, drives: Rows) -> None:
@@ -117,8 +127,7 @@ class FlatGames(TaskGames):
         check_range("answers", snapshot["answers"], 0, N_ANSWERS - 1)
         acting, n_pieces = snapshot["acting"], self.picked.shape[1]
         check_range("acting", acting, 0, n_pieces - 1)
-        first = np.array([self.arena.world.side(camp).start for camp in (Camp.RED, Camp.BLUE)])
-        lives = state.pieces.blood[self.all, first[snapshot["camps"]] + acting] > 0
+        lives = state.pieces.blood[self.all, self._first[snapshot["camps"]] + acting] > 0
         check_all("acting", lives | (state.games.over == 1), acting, "a living piece")
 
     def _slots(self) -> Snapshot:

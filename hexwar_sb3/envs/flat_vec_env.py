@@ -11,7 +11,7 @@ from stable_baselines3.common.vec_env.base_vec_env import VecEnvStepReturn
 
 from hexwar_sb3.envs.flat_games import FlatGames, flat_spaces
 from hexwar_sb3.envs.native_vec_env import NativeVecEnv
-from hexwar_sb3.envs.settings import TaskSettings
+from hexwar_sb3.envs.settings import TaskSettings, check_share
 from hexwar_sb3.envs.task_games import Span
 from hexwar_sb3.play.arena import Snapshot
 
@@ -46,6 +46,8 @@ class FlatVecEnv(NativeVecEnv):
 
     def _info(self, b: int, span: Span, obs: NDArray[Any]) -> dict[str, Any]:
         info: dict[str, Any] = {"ticks": int(span.ticks[b]), "illegal_actions": int(span.illegal[b])}
+        if b in span.demo:
+            info["demo_actions"] = int(span.demo[b])
         if span.over[b]:
             info |= self.games.outcome(b)
             info["terminal_observation"] = obs[b].copy()
@@ -60,6 +62,10 @@ class FlatVecEnv(NativeVecEnv):
         """Count episodes from 0 again under this seed, or a drawn one; takes effect at the next reset."""
         self.games.seed(seed)
         return [self.games.first_seed] * self.num_envs
+
+    def set_demo_share(self, share: float) -> None:
+        """Share of the episodes, from the next ones on, in which the demo bot plays the learner's seat."""
+        self.games.demo_share = check_share("demo_share", share)
 
     def snapshot(self) -> Snapshot:
         """Everything that changes in play, as arrays that `np.savez` takes."""

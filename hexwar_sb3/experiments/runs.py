@@ -14,7 +14,8 @@ from hexwar_sb3.play.records import DECISION_TICKS
 from hexwar_sb3.reading import read_bytes
 
 HEXWAR = "hexwar_sb3.cli"  # modules that train
-FLAT_DQN, TASK_PPO = "hexwar_sb3.commands.flat_dqn", "hexwar_sb3.commands.task_ppo"
+FLAT_DQN, RIVAL_DQN = "hexwar_sb3.commands.flat_dqn", "hexwar_sb3.commands.rival_dqn"
+TASK_PPO = "hexwar_sb3.commands.task_ppo"
 MOST_COMMAND_BYTES = 1 << 16
 EVALUATIONS, CHECKPOINTS = 10, 5  # of a run, evenly over its games
 

@@ -21,7 +21,7 @@ from hexwar_sb3.engine.state import State, new_state, seed_game
 from hexwar_sb3.engine.world import World
 from hexwar_sb3.errors import ConfigError
 from hexwar_sb3.kernels import Rows, kernel
-from hexwar_sb3.play.demos import name_plans
+from hexwar_sb3.play.demos import name_moves, name_plans
 from hexwar_sb3.play.drive import advance_until_decision
 from hexwar_sb3.play.fit import check_actions, check_fit, check_tasks
 from hexwar_sb3.play.look import Sight, choose_batch, look_batch, observe_routes
@@ -299,6 +299,14 @@ class Arena:
         actions = np.zeros(len(tasks), np.int64)
         name_plans(camp, self.state.games[b], self.plans[b], tasks, mask, self.world.cells, actions)
         return actions
+
+    def name_moves(self, b: int, camp: int) -> NDArray[np.int64]:
+        """Answers [N] that lead the camp's pieces where their paths lead next in game b."""
+        answers = np.zeros(len(self.world.piece_names(camp)), np.int64)
+        name_moves(
+            camp, self.state.games[b], self.state.pieces[b], self.state.paths[b], self.world.cells, answers
+        )
+        return answers
 
     def margins(self, which: Games, camps: NDArray[np.int64]) -> NDArray[np.int64]:
         """True margin of camp camps[k] in game which[k], points [n]."""

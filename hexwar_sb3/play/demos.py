@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from hexwar_sb3.engine.pieces import next_cell_of
 from hexwar_sb3.engine.records import NEVER, NO_CELL
 from hexwar_sb3.kernels import Row, Rows, kernel
-from hexwar_sb3.maps.geometry import cells_apart
+from hexwar_sb3.maps.geometry import cells_apart, direction_between, frame_direction
 from hexwar_sb3.tasks.known import end_piece, first_piece
+from hexwar_sb3.tasks.route import STAY
 
 
 @kernel
@@ -38,3 +40,21 @@ def nearest_task(plan: Row, tasks: Rows, mask: Rows, cells: Rows) -> int:
         if apart < best_apart:
             best, best_apart = k, apart
     return best
+
+
+@kernel
+def name_moves(camp: int, game: Row, pieces: Rows, paths: Rows, cells: Rows, answers: Rows) -> None:
+    """Write the answer of the lower level that leads each piece of a camp where its path leads next.
+
+    Args:
+        pieces: of both camps, [P].
+        paths: theirs, [P, cells].
+        answers: out, [N]; staying without a path.
+    """
+    first = first_piece(camp, game)
+    for i in range(first, end_piece(camp, game)):
+        there = next_cell_of(pieces[i], paths[i], cells)
+        if there == NO_CELL:
+            answers[i - first] = STAY
+        else:
+            answers[i - first] = 1 + frame_direction(direction_between(cells, pieces[i].cell, there), camp)

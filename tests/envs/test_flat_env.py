@@ -22,6 +22,7 @@ from hexwar_sb3.errors import ConfigError, UnknownNameError
 from hexwar_sb3.evaluation.matches import play_match
 from hexwar_sb3.maps.cells import NO_CELL
 from hexwar_sb3.maps.geometry import NE, W
+from hexwar_sb3.play.match import play_games
 from hexwar_sb3.tasks.features import index
 from hexwar_sb3.tasks.records import MAX_TASKS, TaskKind
 from hexwar_sb3.tasks.route import N_ANSWERS
@@ -287,7 +288,24 @@ def test_a_restored_env_goes_on_as_before() -> None:
         assert np.array_equal(obs, restored)
 
 
-@pytest.mark.parametrize("name", ["lower", "demo_bot", "demo_share", "privileged_state"])
+def test_a_demonstration_is_the_bots_own_game_named_by_legal_turns() -> None:
+    env = vec_env(2, opponent="nearest", demo_bot="MA2", demo_share=1.0, decision_ticks=PACE, seed=5)
+    env.reset()
+    turns, moves, margins = 0, 0, dict[int, float]()
+    while len(margins) < 2:
+        masks = native(env).action_masks()
+        _, _, dones, infos = env.step(np.zeros(2, np.int64))
+        for b in set(range(2)) - margins.keys():
+            task, answer = divmod(int(infos[b]["demo_actions"]), N_ANSWERS)
+            assert masks[b].reshape(MAX_TASKS, N_ANSWERS)[task].any()
+            turns, moves = turns + 1, moves + (answer > 0)
+        margins |= {int(b): infos[b]["margin"] for b in np.flatnonzero(dones) if b not in margins}
+
+    assert [margins[0], margins[1]] == play_games("MA2", "nearest", 2, seed=5).margin.tolist()
+    assert 0.2 < moves / turns < 0.8
+
+
+@pytest.mark.parametrize("name", ["lower", "privileged_state"])
 def test_settings_that_make_no_sense_here_are_refused(name: str) -> None:
     with pytest.raises(ConfigError, match=f"the flat env has no {name}: "):
         FlatEnv(**{name: "heuristic"})
