@@ -27,7 +27,7 @@ FAILED, INTERRUPTED = 1, 130  # exit codes
 class Experiments:
     """Make the runs of an experiment whose results are missing, then its figure or table; go on by the same command."""
 
-    # "fig7": HRL against DQN; "ablation": rows that differ in one thing; "seeds": what luck does to a training;
+    # "fig7": HRL against its rivals; "ablation": rows that differ in one thing; "seeds": what luck does to a training;
     # "rivals": settings of the flat DQN and of MaskablePPO; "table1": self-play and distillation
     name: tyro.conf.Positional[str]
     list: bool = False  # print what is there and what is missing, and do nothing

@@ -1,4 +1,4 @@
-"""Fig. 7: learning curves of the hierarchy (HRL) and of the flat DQN, against MA1 and MA2, on three maps."""
+"""Fig. 7: learning curves of the hierarchy (HRL) and of its rivals, against MA1 and MA2, on three maps."""
 
 from __future__ import annotations
 
@@ -12,7 +12,16 @@ from hexwar_sb3.algorithms.presets import PRESETS
 from hexwar_sb3.evaluation.panel import BOTS
 from hexwar_sb3.experiments.curve import read_band
 from hexwar_sb3.experiments.page_file import minutes_on
-from hexwar_sb3.experiments.runs import FLAT_DQN, Budget, Places, Run, baseline_run, hrl_run
+from hexwar_sb3.experiments.runs import (
+    FLAT_DQN,
+    RIVAL_DQN,
+    TASK_PPO,
+    Budget,
+    Places,
+    Run,
+    baseline_run,
+    hrl_run,
+)
 from hexwar_sb3.files import replacing
 from hexwar_sb3.maps.files import load_scenario
 
@@ -22,7 +31,8 @@ if TYPE_CHECKING:
 NAME, GAMES, FINAL_GAMES = "fig7", 10_000, 2_000
 SEEDS = (0, 1, 2)
 SCENARIOS = ("plain", "hills", "paddy")  # the first with all seeds, the others with the first seed
-METHODS = {"hrl": "HRL", "dqn": "DQN"}
+METHODS = {"hrl": "HRL", "rival": "DQN, searched", "dqn": "DQN, the paper's", "ppo": "MaskablePPO, searched"}
+RIVALS = {"rival": RIVAL_DQN, "dqn": FLAT_DQN, "ppo": TASK_PPO}
 QUANTITIES = (("win_rate", "win rate"), ("mean_margin", "mean margin, points"))
 
 
@@ -32,18 +42,23 @@ def runs(budget: Budget, seeds: Sequence[int]) -> list[Run]:
         run
         for scenario in SCENARIOS
         for seed in (seeds if scenario == SCENARIOS[0] else seeds[:1])
-        for run in pair(scenario, seed, budget)
+        for run in (hierarchy(scenario, seed, budget), *rivals(scenario, seed, budget))
     ]
 
 
-def pair(scenario: str, seed: int, budget: Budget) -> tuple[Run, Run]:
-    """The two methods on equal terms: the same opponents, and as many game ticks of all levels together."""
+def hierarchy(scenario: str, seed: int, budget: Budget) -> Run:
+    """Both levels, against the bots."""
+    return hrl_run(NAME, f"hrl-{scenario}", seed, budget, "--opponents", *BOTS, scenario=scenario)
+
+
+def rivals(scenario: str, seed: int, budget: Budget) -> list[Run]:
+    """The others on equal terms: the same opponents, and as many game ticks as all levels have together."""
     game = load_scenario(scenario).game_ticks
     games = budget.games + math.ceil(PRESETS["default"].lower_ticks(budget.games * game) / game)
-    return (
-        hrl_run(NAME, f"hrl-{scenario}", seed, budget, "--opponents", *BOTS, scenario=scenario),
-        baseline_run(FLAT_DQN, NAME, f"dqn-{scenario}", seed, budget, games=games, scenario=scenario),
-    )
+    return [
+        baseline_run(module, NAME, f"{name}-{scenario}", seed, budget, games=games, scenario=scenario)
+        for name, module in RIVALS.items()
+    ]
 
 
 def draw(all_runs: Sequence[Run], places: Places, path: Path) -> None:

@@ -16,7 +16,7 @@ from hexwar_sb3.evaluation.jobs import run_jobs
 from hexwar_sb3.evaluation.panel import BOTS, CONSTANT_PLANS, Terms
 from hexwar_sb3.evaluation.tournament import Meeting, Table, play_meetings
 from hexwar_sb3.experiments.carry_out import carry_out
-from hexwar_sb3.experiments.fig7 import pair
+from hexwar_sb3.experiments.fig7 import hierarchy
 from hexwar_sb3.experiments.page_file import FILE, minutes_on
 from hexwar_sb3.experiments.runs import Budget, Places, Run, hrl_run
 from hexwar_sb3.folders import holding, making
@@ -65,7 +65,7 @@ class Table1:
 
     def warm_ups(self) -> list[Run]:
         """Trainings of figure 7 on this map."""
-        return [pair(self.settings.scenario, seed, Budget(games=WARM_UPS))[0] for seed in self.seeds]
+        return [hierarchy(self.settings.scenario, seed, Budget(games=WARM_UPS)) for seed in self.seeds]
 
     def broad(self) -> Run:
         """A training of the same budget as `hexwar train` has it: a row of the table."""

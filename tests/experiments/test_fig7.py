@@ -45,7 +45,10 @@ def test_the_figure_draws_what_is_there(
         "hills, against MA2",
     ]
     legends = [axes.get_legend_handles_labels()[1] for axes in figure.axes]
-    assert (legends[0], legends[4]) == (["HRL, 2 seeds, 80 min each"], ["DQN, 1 seed, 10 min each"])
+    assert (legends[0], legends[4]) == (
+        ["HRL, 2 seeds, 80 min each"],
+        ["DQN, the paper's, 1 seed, 10 min each"],
+    )
     assert (tmp_path / "fig7.png").read_bytes().startswith(b"\x89PNG")
 
 

@@ -12,6 +12,7 @@ from hexwar_sb3.algorithms.presets import PRESETS
 from hexwar_sb3.cli import parse
 from hexwar_sb3.commands.baseline import Baseline
 from hexwar_sb3.commands.flat_dqn import FlatDqn
+from hexwar_sb3.commands.rival_dqn import RivalDqn
 from hexwar_sb3.commands.task_ppo import TaskPpo
 from hexwar_sb3.commands.train import Train
 from hexwar_sb3.errors import ConfigError, UnknownNameError
@@ -19,6 +20,7 @@ from hexwar_sb3.experiments import ablation, fig7
 from hexwar_sb3.experiments.runs import (
     FLAT_DQN,
     HEXWAR,
+    RIVAL_DQN,
     TASK_PPO,
     Budget,
     Places,
@@ -72,7 +74,7 @@ def settings_of(run: Run) -> Train:
 
 
 def settings_of_baseline(run: Run) -> Baseline:
-    kinds: dict[str, type[Baseline]] = {FLAT_DQN: FlatDqn, TASK_PPO: TaskPpo}
+    kinds: dict[str, type[Baseline]] = {FLAT_DQN: FlatDqn, RIVAL_DQN: RivalDqn, TASK_PPO: TaskPpo}
     return tyro.cli(kinds[run.module], args=run.arguments, config=(tyro.conf.FlagCreatePairsOff,))
 
 
@@ -89,16 +91,17 @@ def test_every_baseline_is_a_command_of_its_module(row: str) -> None:
     settings = settings_of_baseline(RUNS[row])
 
     assert settings.games == 10 * settings.eval_freq + settings.games % 10
-    assert settings.scenario == (row.removeprefix("dqn-") if RUNS[row].experiment == "fig7" else "plain")
+    assert settings.scenario == (row.partition("-")[2] if RUNS[row].experiment == "fig7" else "plain")
 
 
 def test_the_baseline_of_the_figure_has_as_many_ticks_as_both_levels_together() -> None:
     """Of 18 million ticks of the upper level, the lower one's phases come after 4.5, 9 and 13.5 million."""
     upper, lower = PRESETS["default"].phase_ticks
-    _, baseline = fig7.pair("plain", 0, Budget(games=10_000))
+    baselines = fig7.rivals("plain", 0, Budget(games=10_000))
 
     assert upper == 4_500_000
-    assert settings_of_baseline(baseline).games == math.ceil(10_000 + 3 * lower / 1_800)
+    games = {settings_of_baseline(run).games for run in baselines}
+    assert games == {math.ceil(10_000 + 3 * lower / 1_800)}
 
 
 @pytest.mark.parametrize("row", ablation.BASELINES)
@@ -127,7 +130,7 @@ def test_the_figure_has_all_seeds_on_the_first_map_and_one_on_the_others() -> No
 
     assert sorted(names) == sorted(
         f"{method}-{row}"
-        for method in ("hrl", "dqn")
+        for method in ("hrl", "rival", "dqn", "ppo")
         for row in ("plain-0", "plain-1", "plain-2", "hills-0", "paddy-0")
     )
 
