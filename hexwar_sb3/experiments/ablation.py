@@ -15,7 +15,6 @@ from hexwar_sb3.evaluation.panel import BOTS
 from hexwar_sb3.experiments.page_file import FILE, PageRow, rows_on
 from hexwar_sb3.experiments.runs import FLAT_DQN, TASK_PPO, Budget, Places, Run, baseline_run, hrl_run
 from hexwar_sb3.experiments.spread import seed_difference, spread
-from hexwar_sb3.play.records import DECISION_TICKS
 
 NAME, BASE = "ablation", "base"
 SEEDS = (0, 1, 2)
@@ -23,8 +22,6 @@ GAMES = 5_000  # fewer than a whole training has: what slows learning shows, and
 FINAL_GAMES = 700  # three seeds have 2,100 a cell
 QUANTITIES = ("win_rate", "mean_margin", "points_held")
 HEADS = ("row", "against", "seeds", "win rate, %", "mean margin", "points held", "margin minus base")
-
-SAME_GAMES = "the same games; n steps, stickiness and the replay count decisions"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -35,7 +32,6 @@ class Row:
     lower: str = "heuristic"
     flags: tuple[str, ...] = ()
     opponents: tuple[str, ...] = BOTS
-    decision_ticks: int = DECISION_TICKS
 
 
 ROWS = {
@@ -55,16 +51,8 @@ ROWS = {
     "broad": Row(says="learns against the broad mixture", opponents=OPPONENTS),
     "broad-even": Row(says="the same, whoever beats it", opponents=OPPONENTS, flags=("--priority", "0.0")),
     "only-ma1": Row(says="learns against MA1 alone", opponents=("MA1",)),
-    "only-ma2": Row(says="learns against MA2 alone", opponents=("MA2",)),
-    "ticks-15": Row(says=f"Delta-t 15, {SAME_GAMES}", decision_ticks=15),
-    "ticks-300": Row(says=f"Delta-t 300, {SAME_GAMES}", decision_ticks=300),
     "gamma-1": Row(says="no discount, eq. (4)", flags=("--gamma", "1.0")),
     "paper-reward": Row(says="margin by eq. (1), Green counts", flags=("--reward", "paper")),
-    "event-decisions": Row(
-        says="decides after events too, the same env steps", flags=("--decisions", "event")
-    ),
-    "spots-3": Row(says="3 cells of G^L", flags=("--spots", "3")),
-    "spots-12": Row(says="12 cells of G^L", flags=("--spots", "12")),
     "lambda-08": Row(says="lambda-returns", flags=("--td-lambda", "0.8")),
     "single-q": Row(says="no double-Q", flags=("--double-q", "False")),
     "paper-preset": Row(says="section IV to the letter, over the heuristic", flags=("--preset", "paper")),
@@ -97,7 +85,7 @@ def row_run(name: str, seed: int, budget: Budget) -> Run:
     row = ROWS[name]
     plans = () if name == BASE else (NO_PLANS,)
     flags = ("--lower", row.lower, *plans, *row.flags, "--opponents", *row.opponents)
-    return hrl_run(NAME, name, seed, budget, *flags, decision_ticks=row.decision_ticks)
+    return hrl_run(NAME, name, seed, budget, *flags)
 
 
 def summary(all_runs: Sequence[Run], places: Places) -> list[dict[str, Any]]:

@@ -77,14 +77,13 @@ def hrl_run(
     budget: Budget,
     *flags: str,
     scenario: str = "plain",
-    decision_ticks: int = DECISION_TICKS,
 ) -> Run:
-    """A run of `hexwar train`: as many env steps as the games have, evaluated at the same games for every Delta-t."""
-    steps = budget.games * load_world(scenario).scenario.game_ticks // decision_ticks
+    """A run of `hexwar train`: as many env steps as the games have, evaluated at the same games."""
+    steps = budget.games * load_world(scenario).scenario.game_ticks // DECISION_TICKS
     numbers = {
         "--seed": seed,
         "--n-timesteps": steps,
-        "--decision-ticks": decision_ticks,
+        "--decision-ticks": DECISION_TICKS,
         "--eval-freq": max(1, steps // EVALUATIONS),
         "--save-freq": max(1, steps // CHECKPOINTS),
         "--eval-games": budget.eval_games,

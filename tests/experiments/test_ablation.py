@@ -58,7 +58,7 @@ def test_the_picture_shows_the_rows_that_are_there(
 ) -> None:
     empty, full = tmp_path / "empty.png", tmp_path / "full.png"
     draw(summary(RUNS, places), RUNS, places, empty)
-    for run in choose(RUNS, ["base", "vdn-0", "ticks-15-0"]):
+    for run in choose(RUNS, ["base", "vdn-0", "iql-0"]):
         make_results(run)
 
     draw(summary(RUNS, places), RUNS, places, full)
