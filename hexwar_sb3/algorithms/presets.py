@@ -102,7 +102,7 @@ PRESETS = {
             "exploration_final_eps": 0.005,  # of seven pieces, each for five decisions on average
             "squad_initial_share": 0.3,
             "squad_final_share": 0.03,
-            "policy_kwargs": {"hidden": 128, "embed": 64},
+            "policy_kwargs": {"hidden": 128},
         },
     ),
     # Section IV to the letter: 16 games at a time, learning rate 0.1, a = 0.1, epsilon 0.5 minus 0.01 every 100

@@ -9,12 +9,15 @@ from typing import TYPE_CHECKING, Any
 from hexwar_sb3.bots.registry import BOTS as BOTS_BY_NAME
 from hexwar_sb3.commands.output import as_json, games_bar, panel_table, table
 from hexwar_sb3.commands.run_folder import RunFolder, write_text
+from hexwar_sb3.engine.world import load_world
 from hexwar_sb3.evaluation.intervals import Estimate, paired_interval
 from hexwar_sb3.evaluation.panel import BOTS, CONSTANT_PLANS, Panel, Terms, play_panel
 from hexwar_sb3.evaluation.provenance import provenance
 from hexwar_sb3.league.cost import peak_mb
+from hexwar_sb3.play.fit import why_unfit
 from hexwar_sb3.play.frozen import FrozenPolicy
-from hexwar_sb3.play.player import seat_name
+from hexwar_sb3.play.player import POLICIES, make_player, seat_name
+from hexwar_sb3.rules.enums import Camp
 
 if TYPE_CHECKING:
     from stable_baselines3.common.vec_env import VecEnv
@@ -22,7 +25,7 @@ if TYPE_CHECKING:
 PAST = "itself, earlier"  # copies of the learner, in the table of who was met
 TRAINED = "trained"  # the row that the others are compared with
 OTHERS = tuple(name for name in BOTS_BY_NAME if name not in (*BOTS, "random"))
-"""Further players that the trained one meets, most of them for the first time."""
+"""Further scripted players that the trained one meets, most of them for the first time."""
 OTHERS_SHARE = 4  # of its games against MA1 and MA2
 
 
@@ -52,11 +55,12 @@ def write_page(
         threads: cells side by side.
     """
     fewer = replace(terms, games=max(1, terms.games // OTHERS_SHARE))
-    games = len(players) * len(BOTS) * terms.games + len(OTHERS) * fewer.games
+    strangers = others_on(terms.scenario)
+    games = len(players) * len(BOTS) * terms.games + len(strangers) * fewer.games
     with games_bar(games * len(terms.camps)) as progress:
         how: Any = {"threads": threads, "progress": progress}
         panels = {name: play_panel(player, BOTS, terms, name=name, **how) for name, player in players.items()}
-        others = play_panel(players[TRAINED], OTHERS, fewer, name=TRAINED, **how)
+        others = play_panel(players[TRAINED], strangers, fewer, name=TRAINED, **how)
     rows = [row for panel in panels.values() for row in panel.summary()]
     figures = {
         "command": (folder.path / "command.txt").read_text(encoding="utf-8").strip(),
@@ -81,6 +85,17 @@ def write_page(
     write_text(folder.path / "page.json", as_json(figures) + "\n")
     write_text(folder.page, text + "\n")
     return figures, text
+
+
+def others_on(scenario: str) -> tuple[str, ...]:
+    """Further players that can play a map, scripted and learned."""
+    world = load_world(scenario)
+    fitting = [
+        name
+        for name in POLICIES
+        if not any(why_unfit(make_player(name), world, camp) for camp in (Camp.RED, Camp.BLUE))
+    ]
+    return (*OTHERS, *fitting)
 
 
 def met_by(env: VecEnv) -> list[dict[str, Any]]:

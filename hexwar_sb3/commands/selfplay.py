@@ -43,7 +43,7 @@ class SelfPlay:
     # exponent by which those who beat the model are met more often; 0: by their weights alone
     priority: float = 1.0
     hidden: int = 128  # width of the models' networks; narrower ones are widened
-    embed: int = 64  # width of a task's embedding
+    embed: int = 32  # width of a task's embedding
     scenario: ScenarioName = "plain"
     seed: Seed = 0
     jobs: int = 1  # groups, then matches, side by side

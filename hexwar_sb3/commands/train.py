@@ -52,7 +52,7 @@ class Train:
     scenario: ScenarioName = "plain"
     side: Literal["red", "blue", "both"] = "both"  # camp of the commander; both: in turn
     # bots' names or policy folders, NAME=WEIGHT; each game draws one; "self": copies of this commander as it was before;
-    # else a broad mixture: MA1=4 MA2=4 drawn=4 nearest defender all-main half-half, and HRL0=2 on maps that it fits
+    # else a broad mixture: MA1=6 MA2=6 drawn=3 nearest defender all-main half-half, and HRL0=2 on maps that it fits
     opponents: tuple[str, ...] | None = None
     self_freq: int = 24_000  # env steps between two copies of itself, where "self" is an opponent
     # "default", a file of `hexwar tune export`, or "paper": the numbers of section IV to the letter; its learning rate
@@ -115,7 +115,7 @@ class Train:
     eval_freq: int = 24_000  # env steps between two evaluations
     eval_games: int = 16  # games an opponent and colour in each of them
     save_freq: int = 48_000  # env steps of both levels between two checkpoints
-    final_games: int = 1000  # games an opponent and colour on the page at the end
+    final_games: int = 500  # games an opponent and colour on the page at the end
     constant_plans: ConstantPlans = True
 
     name: str = "commander"  # the run folder is RUNS/NAME_k

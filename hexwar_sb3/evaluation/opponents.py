@@ -8,7 +8,7 @@ from math import isfinite
 
 from hexwar_sb3.errors import ConfigError
 
-OPPONENTS = ("MA1=4", "MA2=4", "drawn=4", "nearest", "defender", "all-main", "half-half")
+OPPONENTS = ("MA1=6", "MA2=6", "drawn=3", "nearest", "defender", "all-main", "half-half")
 """Scripted players of both kinds, known ones and others in each game: who learns against them holds against more."""
 LEARNED_OPPONENT = "HRL0=2"  # a trained policy beside them, for line-ups like that of "plain"
 SELF = "self"  # an opponent of a training: copies of what it was before

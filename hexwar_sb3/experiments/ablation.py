@@ -47,7 +47,7 @@ ROWS = {
         says="no squad explores as one", flags=("--squad-initial-share", "0.0", "--squad-final-share", "0.0")
     ),
     "seen-camp": Row(says="networks see which camp they play", flags=("--mirrored", "False")),
-    "narrow": Row(says="64 hidden units, tasks in 32", flags=("--hidden", "64", "--embed", "32")),
+    "narrow": Row(says="64 hidden units", flags=("--hidden", "64")),
     "broad": Row(says="learns against the broad mixture", opponents=OPPONENTS),
     "broad-even": Row(says="the same, whoever beats it", opponents=OPPONENTS, flags=("--priority", "0.0")),
     "only-ma1": Row(says="learns against MA1 alone", opponents=("MA1",)),

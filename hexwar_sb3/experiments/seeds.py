@@ -8,16 +8,15 @@ from statistics import fmean, stdev
 from typing import Any
 
 from hexwar_sb3.evaluation.panel import BOTS, CAMPS
+from hexwar_sb3.experiments.fig7 import hierarchy
 from hexwar_sb3.experiments.page_file import PageRow, rows_on
 from hexwar_sb3.experiments.runs import Budget, Places, Run, hrl_run
 
 NAME, GAMES, FINAL_GAMES = "seeds", 10_000, 2_000
 SEEDS = tuple(range(8))
-CANDIDATES: dict[str, tuple[str, ...]] = {
-    "default": (),
-    "narrow": ("--hidden", "64", "--embed", "32", "--gradient-steps", "2"),  # as much CPU time
-}
+CANDIDATES: dict[str, tuple[str, ...]] = {"default": (), "single-q": ("--double-q", "False")}
 """Settings that are compared on "plain", with all seeds: flags of `hexwar train`."""
+NAMES = {"hrl-plain": "only MA1 and MA2"}  # the paper's warm-up, runs of figure 7
 OTHER_MAPS = ("hills", "paddy")  # the default, with the first seeds
 SEEDS_THERE = 3
 TRAINED, ALL = "trained", "mean of MA1 and MA2"
@@ -27,14 +26,19 @@ HEADS = ("training", "seeds", "against", "camp", "win rate, %", "worst", "sd", "
 def runs(budget: Budget, seeds: Sequence[int]) -> list[Run]:
     """Every run, seed by seed."""
     found = [
-        hrl_run(NAME, name, seed, budget, *flags) for seed in seeds for name, flags in CANDIDATES.items()
+        run
+        for seed in seeds
+        for run in (
+            *(hrl_run(NAME, name, seed, budget, *flags) for name, flags in CANDIDATES.items()),
+            hierarchy("plain", seed, budget),
+        )
     ]
     found += [
         hrl_run(NAME, scenario, seed, budget, scenario=scenario)
         for seed in seeds[:SEEDS_THERE]
         for scenario in OTHER_MAPS
     ]
-    return [replace(run, with_policy=run.row == "default") for run in found]
+    return [replace(run, with_policy=run.row != "single-q") for run in found]
 
 
 def summary(all_runs: Sequence[Run], places: Places) -> list[dict[str, Any]]:
@@ -47,7 +51,11 @@ def summary(all_runs: Sequence[Run], places: Places) -> list[dict[str, Any]]:
             for run in there
         ]
         about = (
-            {"training": name, "seeds": [run.seed for run in there], "command": there[0].command}
+            {
+                "training": NAMES.get(name, name),
+                "seeds": [run.seed for run in there],
+                "command": there[0].command,
+            }
             if there
             else {}
         )

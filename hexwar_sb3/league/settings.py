@@ -77,7 +77,7 @@ class LeagueSettings:
     seed: int = 0
     n_envs: int = 32
     hidden: int = 128  # width of the agent networks; narrower ones that the league begins with are widened
-    embed: int = 64  # width of a task's embedding
+    embed: int = 32  # width of a task's embedding
     learner: dict[str, Any] = field(default_factory=lambda: dict(LEARNER))
 
     def __post_init__(self) -> None:

@@ -18,6 +18,7 @@ from safetensors.numpy import load_file
 from hexwar_sb3.algorithms.checkpoint import save_checkpoint
 from hexwar_sb3.algorithms.hierarchical import HierarchicalQMIX
 from hexwar_sb3.algorithms.qmix import QMIX
+from hexwar_sb3.commands.page import others_on
 from hexwar_sb3.commands.run_folder import RunFolder
 from hexwar_sb3.commands.train import LOWER_SCENARIOS, Train
 from hexwar_sb3.commands.training import make_env, new_model, players_of
@@ -116,11 +117,26 @@ def test_a_policy_with_a_learned_lower_level_stands_beside_itself_over_the_heuri
     assert {*players_of(Train(), folder)} == {*players, *CONSTANT_PLANS}
 
 
-def test_the_lower_level_learns_on_maps_that_the_upper_one_fits(tmp_path: Path) -> None:
+def ground_alone(folder: Path) -> str:
+    """A scenario without aerocraft."""
     plain = load_scenario("plain")
     ground = tuple(piece for piece in plain.pieces if piece.kind != PieceType.AEROCRAFT)
-    save_scenario(replace(plain, pieces=ground), tmp_path / "ground.scenario.json", "plain")
-    mine = str(tmp_path / "ground.scenario.json")
+    save_scenario(replace(plain, pieces=ground), folder / "ground.scenario.json", "plain")
+    return str(folder / "ground.scenario.json")
+
+
+def test_a_learned_player_is_met_where_it_fits(tmp_path: Path) -> None:
+    mine = ground_alone(tmp_path)
+
+    assert "HRL0=2" in Train().met
+    assert "HRL0=2" not in Train(scenario=mine).met
+    assert others_on("hills") == (*others_on(mine), "HRL0")
+    assert {"two-hold", "drawn-unseen"} <= set(others_on(mine))
+    assert not {"MA1", "MA2", "random"} & set(others_on(mine))
+
+
+def test_the_lower_level_learns_on_maps_that_the_upper_one_fits(tmp_path: Path) -> None:
+    mine = ground_alone(tmp_path)
 
     assert Train(scenario=mine).route["scenario"] == [mine]
     assert Train(scenario="plain").route["scenario"] == [

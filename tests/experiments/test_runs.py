@@ -52,7 +52,7 @@ DIFFERS = {
     "learned-lower": {"lower"},
     "no-squads": {"squad_initial_share", "squad_final_share"},
     "seen-camp": {"mirrored"},
-    "narrow": {"hidden", "embed"},
+    "narrow": {"hidden"},
     "broad": {"opponents"},
     "broad-even": {"opponents", "priority"},
 }

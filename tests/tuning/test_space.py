@@ -56,7 +56,7 @@ def test_a_point_changes_the_preset_where_it_belongs() -> None:
     assert (changed.route["alpha"], changed.decision_ticks) == (0.3, 150)
     assert changed.env == {"reward": "net", "priority": 1.0, "spots": 3}
     assert changed.learner["mixer"] == "vdn"
-    assert changed.learner["policy_kwargs"] == {"hidden": 32, "embed": 64}
+    assert changed.learner["policy_kwargs"] == {"hidden": 32}
     assert changed.learner["learning_rate"] == PRESETS["default"].learner["learning_rate"]
     assert changed.learner["td_lambda"] is None
     assert PRESETS["default"].decision_ticks == 75
