@@ -99,6 +99,8 @@ PRESETS = {
         learner={
             "learning_rate": 1e-3,
             "final_learning_rate": 5e-5,
+            "batch_size": 64,
+            "gradient_steps": 2,  # more and smaller updates
             "exploration_final_eps": 0.005,  # of seven pieces, each for five decisions on average
             "squad_initial_share": 0.3,
             "squad_final_share": 0.03,

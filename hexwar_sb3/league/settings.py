@@ -18,6 +18,8 @@ LEARNER: dict[str, Any] = {
     "learning_rate": 5e-4,
     "final_learning_rate": 5e-5,
     "learning_starts": 0,  # before it all pieces would play at random
+    "batch_size": 64,
+    "gradient_steps": 2,
     "tau": 0.005,
     "exploration_initial_eps": 0.05,
     "exploration_final_eps": 0.005,
