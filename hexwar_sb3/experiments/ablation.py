@@ -13,7 +13,16 @@ from hexwar_sb3.evaluation.intervals import Estimate
 from hexwar_sb3.evaluation.opponents import OPPONENTS
 from hexwar_sb3.evaluation.panel import BOTS
 from hexwar_sb3.experiments.page_file import FILE, PageRow, rows_on
-from hexwar_sb3.experiments.runs import FLAT_DQN, TASK_PPO, Budget, Places, Run, baseline_run, hrl_run
+from hexwar_sb3.experiments.runs import (
+    FLAT_DQN,
+    NO_PLANS,
+    TASK_PPO,
+    Budget,
+    Places,
+    Run,
+    baseline_run,
+    hrl_run,
+)
 from hexwar_sb3.experiments.spread import seed_difference, spread
 
 NAME, BASE = "ablation", "base"
@@ -65,7 +74,6 @@ SAYS = {
     **{name: row.says for name, row in ROWS.items()},
     **{name: says for name, (_, says) in BASELINES.items()},
 }
-NO_PLANS = "--no-constant-plans"  # they are the same for all: the base plays them
 
 
 def runs(budget: Budget, seeds: Sequence[int]) -> list[Run]:

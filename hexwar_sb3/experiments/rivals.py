@@ -11,13 +11,12 @@ import numpy as np
 
 from hexwar_sb3.evaluation.panel import BOTS
 from hexwar_sb3.experiments.page_file import rows_on
-from hexwar_sb3.experiments.runs import RIVAL_DQN, TASK_PPO, Budget, Places, Run, baseline_run
+from hexwar_sb3.experiments.runs import NO_PLANS, RIVAL_DQN, TASK_PPO, Budget, Places, Run, baseline_run
 
 NAME, GAMES, FINAL_GAMES = "rivals", 2_000, 200
 SEEDS = (0,)
 SETTINGS = 24  # of each rival
 HEADS = ("run", "win rate, %", "mean margin", "points held", "settings")
-NO_PLANS = "--no-constant-plans"
 Space = Mapping[str, tuple[tuple[str, ...], ...]]
 
 DQN_SPACE: Space = {

@@ -17,6 +17,7 @@ HEXWAR = "hexwar_sb3.cli"  # modules that train
 FLAT_DQN, RIVAL_DQN = "hexwar_sb3.commands.flat_dqn", "hexwar_sb3.commands.rival_dqn"
 TASK_PPO = "hexwar_sb3.commands.task_ppo"
 MOST_COMMAND_BYTES = 1 << 16
+NO_PLANS = "--no-constant-plans"  # which are the same for all: one run plays them
 EVALUATIONS, CHECKPOINTS = 10, 5  # of a run, evenly over its games
 
 

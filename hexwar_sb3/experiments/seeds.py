@@ -10,7 +10,7 @@ from typing import Any
 from hexwar_sb3.evaluation.panel import BOTS, CAMPS
 from hexwar_sb3.experiments.fig7 import hierarchy
 from hexwar_sb3.experiments.page_file import PageRow, rows_on
-from hexwar_sb3.experiments.runs import Budget, Places, Run, hrl_run
+from hexwar_sb3.experiments.runs import NO_PLANS, Budget, Places, Run, hrl_run
 
 NAME, GAMES, FINAL_GAMES = "seeds", 10_000, 2_000
 SEEDS = tuple(range(8))
@@ -29,12 +29,12 @@ def runs(budget: Budget, seeds: Sequence[int]) -> list[Run]:
         run
         for seed in seeds
         for run in (
-            *(hrl_run(NAME, name, seed, budget, *flags) for name, flags in CANDIDATES.items()),
+            *(hrl_run(NAME, name, seed, budget, NO_PLANS, *flags) for name, flags in CANDIDATES.items()),
             hierarchy("plain", seed, budget),
         )
     ]
     found += [
-        hrl_run(NAME, scenario, seed, budget, scenario=scenario)
+        hrl_run(NAME, scenario, seed, budget, NO_PLANS, scenario=scenario)
         for seed in seeds[:SEEDS_THERE]
         for scenario in OTHER_MAPS
     ]
