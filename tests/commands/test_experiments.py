@@ -36,7 +36,7 @@ def test_the_list_as_json_has_the_commands(hexwar: Command, tmp_path: Path) -> N
 
     commands = {row["run"]: row["command"] for row in json.loads(out)["runs"]}
     assert commands["hrl-paddy-0"].startswith("hexwar train --scenario paddy --seed 0 --n-timesteps 240000 ")
-    assert len(commands) == 10
+    assert len(commands) == 20  # four methods, three seeds on one map and one on two others
 
 
 def test_the_stages_of_table_1_are_listed(hexwar: Command, tmp_path: Path) -> None:

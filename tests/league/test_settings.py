@@ -7,6 +7,8 @@ from typing import Any
 import pytest
 
 from hexwar_sb3.algorithms.presets import PRESETS
+from hexwar_sb3.algorithms.qmix import QMIX
+from hexwar_sb3.envs.registration import make_vec_env
 from hexwar_sb3.errors import HexWarError
 from hexwar_sb3.league.settings import LeagueSettings
 
@@ -48,10 +50,11 @@ WRONG: dict[str, tuple[dict[str, Any], str]] = {
 
 
 def test_a_league_takes_what_hexwar_train_makes() -> None:
-    made, widest = PRESETS["default"].learner["policy_kwargs"], LeagueSettings()
+    env = make_vec_env("HexWarTask-v0", n_envs=1, privileged_state=True)
+    made = QMIX("TaskPolicy", env, **PRESETS["default"].learner_for(1, "plain")).policy.freeze().sizes
+    widest = LeagueSettings()
 
-    assert made["hidden"] <= widest.hidden
-    assert made["embed"] <= widest.embed
+    assert (made["hidden"], made["embed"]) == (widest.hidden, widest.embed)
 
 
 @pytest.mark.parametrize("what", WRONG)

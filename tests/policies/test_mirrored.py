@@ -69,7 +69,7 @@ def test_a_frozen_copy_plays_both_camps_alike() -> None:
 
 
 def test_a_preset_mirrors_where_the_map_does() -> None:
-    widths = {"hidden": 128, "embed": 64}
+    widths = {"hidden": 128}
     assert PRESETS["default"].learner_for(10, "plain")["policy_kwargs"] == {"mirrored": True, **widths}
     assert PRESETS["paper"].learner_for(10, "plain")["policy_kwargs"] == {"mirrored": False}
     seen = PRESETS["default"].changed({"mirrored": False})
