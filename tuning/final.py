@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from optuna.trial import FixedTrial, TrialState
+from optuna.trial import TrialState
 from scipy.stats import t as student
 
 from hexwar_sb3.algorithms.preset_file import load_preset
@@ -21,9 +21,9 @@ from hexwar_sb3.evaluation.intervals import CONFIDENCE, paired_interval
 from hexwar_sb3.evaluation.jobs import run_jobs
 from hexwar_sb3.evaluation.panel import Panel, play_panel
 from hexwar_sb3.evaluation.results import CampResult
-from hexwar_sb3.evaluation.seeds import Purpose
+from hexwar_sb3.evaluation.seeds import Purpose, seed_for
 from hexwar_sb3.folders import holding
-from hexwar_sb3.tuning.objective import objective
+from hexwar_sb3.tuning.objective import train_once
 from hexwar_sb3.tuning.space import Point, first_point
 from hexwar_sb3.tuning.study import StudySpec, begin, completed
 
@@ -50,22 +50,23 @@ class Finalist:
 def compare(
     spec: StudySpec,
     games: int = 2_000,
-    seeds: Sequence[int] = (0,),
+    seeds: Sequence[int] = (),
     workers: int = 1,
     trials: Sequence[int] = (),
 ) -> dict[str, Any]:
-    """Let points of a study and the paper's play the panel, game by game on the same seeds, fresh ones.
+    """Let points of a study and the paper's play the panel, game by game on the same seeds; the games are fresh ones.
 
     Args:
         spec: the study.
         games: a policy, opponent and colour.
-        seeds: of the trainings; one that the study did not make is made, by its own budget.
+        seeds: of the trainings; else as many as a trial has, fresh ones: the study chose its points by its own. What the
+            study did not make is made, by its own budget.
         workers: trainings, and then finalists, side by side.
         trials: by number, whose points they are; else that of the best.
 
     Returns:
-        Points, rows of all, and for each trial the paired differences from the paper's point, of margin (points) and
-        win rate (percent): for each seed and of all games, with the interval of the games; and, as trainings of one
+        Points, seeds, rows of all, and for each trial the paired differences from the paper's point, of margin (points)
+        and win rate (percent): for each seed and of all games, with the interval of the games; and, as trainings of one
         point differ by more than games tell, with the interval of the trainings.
 
     Raises:
@@ -73,7 +74,9 @@ def compare(
         BusyError: another process trains for a comparison of this study.
     """
     check_whole("games", games, least=1)
-    seeds = tuple(dict.fromkeys(seeds))
+    seeds = tuple(dict.fromkeys(seeds or spec.common.fresh_seeds))
+    for seed in seeds:
+        seed_for(Purpose.REPORT, seed)
     points = {f"trial {one.number}": dict(one.params) for one in completed(begin(spec), trials)}
     points[PAPER] = first_point(load_preset(spec.preset), spec.space)
     finalists = {(name, seed): _finalist(spec, name, points[name], seed) for seed in seeds for name in points}
@@ -86,6 +89,7 @@ def compare(
     panels = dict(zip(finalists, played, strict=True))
     return {
         "points": points,
+        "seeds": {"compared": list(seeds), "study": list(spec.common.seeds)},
         "rows": [row for panel in played for row in panel.summary()],
         "minus_paper": {
             name: _differences(
@@ -98,11 +102,11 @@ def compare(
 
 
 def _finalist(spec: StudySpec, name: str, point: Point, seed: int) -> Finalist:
-    """The study's own policy of a point, where it made one with this seed."""
+    """The study's own policy of a point, where a completed trial made one with this seed."""
     policy = spec.folder / "finalists" / f"{'-'.join(map(_text, point.values()))}-seed{seed}"
     for trial in begin(spec).get_trials(deepcopy=False, states=(TrialState.COMPLETE,)):
-        own = spec.trial(trial.number) / "policy"
-        if seed == spec.common.seed and trial.params == point and own.is_dir():
+        own = spec.policies(trial.number) / str(seed)
+        if seed in spec.common.seeds and trial.params == point and own.is_dir():
             policy = own
             break
     return Finalist(spec=spec, name=name, point=point, seed=seed, policy=policy)
@@ -116,14 +120,13 @@ def _train(one: Finalist) -> None:
     new = one.policy.with_name(f"{one.policy.name}.new")  # no name that the start of a study clears
     shutil.rmtree(new, ignore_errors=True)
     preset = load_preset(one.spec.preset).changed(one.point)
-    objective(FixedTrial(one.point), preset, replace(one.spec.common, seed=one.seed), new)
+    train_once(preset, one.spec.common, one.seed, new)
     new.rename(one.policy)
 
 
 def _play(one: Finalist, games: int) -> Panel:
-    common = replace(one.spec.common, seed=one.seed)
-    preset = load_preset(one.spec.preset).changed(one.point)
-    terms = replace(common.terms(preset, games), purpose=Purpose.REPORT)
+    common, preset = one.spec.common, load_preset(one.spec.preset).changed(one.point)
+    terms = replace(common.terms(preset, games, one.seed), purpose=Purpose.REPORT)
     return play_panel(str(one.policy), common.panel, terms, name=one.label)
 
 

@@ -1,22 +1,24 @@
-"""One trial: the lower level learns with the trial's alpha and beta, then the upper level over it (learning.md, section 6)."""
+"""One trial: several short trainings of both levels, one a seed, in a race with the other trials (learning.md, section 6)."""
 
 from __future__ import annotations
 
+import gc
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import cast
+from statistics import fmean
 
 import optuna
 from optuna.trial import BaseTrial
-from stable_baselines3.common.callbacks import CallbackList
 
 from hexwar_sb3.algorithms.hierarchical import LOWER_DEFAULTS, HierarchicalQMIX
 from hexwar_sb3.algorithms.presets import Preset
-from hexwar_sb3.callbacks.every import EverySteps
 from hexwar_sb3.callbacks.shares import shares_of
 from hexwar_sb3.checks import check_whole
 from hexwar_sb3.engine.world import load_world
 from hexwar_sb3.envs.registration import TASK_ENV, make_vec_env
+from hexwar_sb3.errors import ConfigError
+from hexwar_sb3.evaluation.opponents import broad_mixture, with_weights
 from hexwar_sb3.evaluation.panel import Terms, play_panel
 from hexwar_sb3.evaluation.results import CampResult
 from hexwar_sb3.evaluation.seeds import Purpose, seed_for
@@ -25,6 +27,7 @@ from hexwar_sb3.play.frozen import FrozenPolicy
 
 FORCE = 134  # points that the pieces of a camp are worth: a margin of it counts as 1
 LOWER_TICKS = 7_500_000  # game ticks that the lower level's schedules are made for
+PANEL = ("MA1", "MA2", "nearest", "two-hold", "drawn", "HRL0")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -32,82 +35,143 @@ class Common:
     """What all trials of a study have in common."""
 
     scenario: str = "plain"
-    opponents: tuple[str, ...] = ("MA1", "MA2")  # of the training
-    panel: tuple[str, ...] = ("MA1", "MA2", "HRL0")  # that judges
-    lower_ticks: int = 2_500_000  # game ticks that the lower level learns, of all games together
-    upper_ticks: int = 9_000_000  # and then the upper level; a game has 1,800
-    reports: int = 5  # evaluations on the way; after half of them a trial may be pruned
-    report_games: int = 40  # of each of them against each opponent and in each colour
-    final_games: int = 200  # and of the last one, the objective
-    seed: int = 0  # of every trial: points differ, games and first weights do not
+    opponents: tuple[str, ...] = ()  # of the trainings, NAME or NAME=WEIGHT; none: the broad mixture
+    panel: tuple[str, ...] = PANEL  # that judges
+    trainings: int = 4  # of a trial, one a seed
+    lower_ticks: int = (
+        1_250_000  # game ticks that the lower level learns in a training, of all games together
+    )
+    upper_ticks: int = 4_500_000  # and then the upper level; a game has 1,800
+    final_games: int = 100  # that judge a training, against each of the panel and in each colour
+    seed: int = 0  # of the first training of every trial: points differ, games and first weights do not
 
     def __post_init__(self) -> None:
-        """Check the numbers.
+        """Check numbers and weights; write the opponents out, for a study to be known by them.
 
         Raises:
-            ConfigError: one is out of its range.
+            ConfigError: a number is out of its range, an opponent is not written as one, or nobody judges.
         """
-        for name in ("lower_ticks", "upper_ticks", "reports", "report_games", "final_games"):
+        for name in ("trainings", "lower_ticks", "upper_ticks", "final_games"):
             check_whole(name, getattr(self, name), least=1)
-        seed_for(Purpose.TUNING, self.seed)
+        for seed in (self.seed, self.seed + self.trainings - 1):
+            seed_for(Purpose.TUNING, seed)
+        if not self.opponents:
+            object.__setattr__(self, "opponents", broad_mixture(self.scenario))
+        with_weights(self.opponents)
+        if not self.panel:
+            raise ConfigError("name at least one player of the panel")
 
     @property
-    def warm_up(self) -> int:
-        """Game ticks before any trial is pruned: the first reports say little (the best may begin as the worst)."""
-        return self.lower_ticks + self.upper_ticks * 2 // 5
+    def seeds(self) -> range:
+        """Of the trainings of every trial."""
+        return range(self.seed, self.seed + self.trainings)
+
+    @property
+    def fresh_seeds(self) -> range:
+        """As many that no trial was judged by: those that follow."""
+        return range(self.seeds.stop, self.seeds.stop + self.trainings)
+
+    @property
+    def ticks(self) -> int:
+        """Game ticks of a trial that is completed."""
+        return self.trainings * (self.lower_ticks + self.upper_ticks)
 
     @property
     def games(self) -> int:
-        """That the upper level's ticks make."""
+        """That the upper level's ticks make in a training."""
         return self.upper_ticks // load_world(self.scenario).scenario.game_ticks
 
-    def terms(self, preset: Preset, games: int) -> Terms:
+    def terms(self, preset: Preset, games: int, seed: int) -> Terms:
         """Of games that judge."""
         return Terms(
             scenario=self.scenario,
             games=games,
-            seed=self.seed,
+            seed=seed,
             purpose=Purpose.TUNING,
             decision_ticks=preset.decision_ticks,
             spots=preset.env.get("spots", Terms.spots),
             early=preset.env.get("decisions") == "event",
         )
 
-    def judge(self, policy: FrozenPolicy, preset: Preset, games: int) -> CampResult:
+    def judge(self, policy: FrozenPolicy, preset: Preset, seed: int) -> CampResult:
         """Play the panel in both colours."""
-        return play_panel(policy, self.panel, self.terms(preset, games), name="trial").total
+        return play_panel(
+            policy, self.panel, self.terms(preset, self.final_games, seed), name="training"
+        ).total
+
+
+@dataclass(frozen=True, kw_only=True)
+class Training:
+    """What a training came to, over all games of the panel."""
+
+    margin: float  # mean, in forces
+    win_rate: float  # 0..1
+    points_held: float  # mean number of control points at the end of a game
+    agreement: float  # share of the lower level's moves that lie on a fastest way
 
 
 def objective(trial: BaseTrial, preset: Preset, common: Common, folder: Path) -> float:
-    """Train and judge a point: mean margin over the panel, in forces.
+    """Train and judge a point, seed by seed: mean margin over its trainings, in forces.
+
+    A race: all trials have the same seeds in the same order, and each reports the mean of its trainings so far at step
+    1, 2, ..., their number. So a pruner compares trials over equal seeds, and what it breaks off has trained less, not
+    shorter: trainings of one point spread by more than points differ, and a part of a training says little of its end.
 
     Args:
-        trial: whose suggestions `preset` holds; hears of every evaluation.
+        trial: whose suggestions `preset` holds; hears of every training.
         preset: with the trial's point.
         common: what all trials share.
-        folder: gets the policy, also of a pruned trial.
+        folder: gets a policy for each training, by its seed, also of a pruned trial.
 
     Raises:
         TrialPruned: it is not worth going on.
         TrainingError: weights or gradients are not finite.
     """
+    done, ticks = list[Training](), list[int]()
+    try:
+        for seed in common.seeds:
+            done.append(train_once(preset, common, seed, folder / str(seed), ticks.append))
+            _report(trial, done)
+            if len(done) < common.trainings and trial.should_prune():  # else there is nothing left to save
+                raise optuna.TrialPruned
+    finally:
+        trial.set_user_attr("ticks", sum(ticks))
+    return fmean(one.margin for one in done)
+
+
+def train_once(
+    preset: Preset, common: Common, seed: int, folder: Path, spent: Callable[[int], object] = lambda _: None
+) -> Training:
+    """Train both levels with one seed, leave the policy, and let it play the panel.
+
+    Args:
+        preset: with the point.
+        common: budget, opponents and panel.
+        seed: of weights and games.
+        folder: gets the policy.
+        spent: told the game ticks of both levels, also of a training that fails.
+
+    Raises:
+        TrainingError: weights or gradients are not finite.
+    """
+    gc.collect()  # the model of the training before and its replay, which hold each other
     with one_thread():
-        model, report = new_model(preset, common), _Report(trial, preset, common)
-        shares = shares_of(preset, common.games)
+        model = new_model(preset, common, seed)
         try:
-            model.learn(common.upper_ticks // preset.decision_ticks, callback=CallbackList([*shares, report]))
-        except optuna.TrialPruned:
-            report.policy().save(folder)
-            raise
+            model.learn(common.upper_ticks // preset.decision_ticks, callback=shares_of(preset, common.games))
         finally:
-            trial.set_user_attr("ticks", model.game_ticks)
-        policy = report.policy()
+            spent(model.game_ticks)
+        rules = load_world(common.scenario).ruleset.hash
+        terms = common.terms(preset, common.final_games, seed)
+        policy = model.policy.freeze(**terms.about(), rules=rules, side="both", seed=str(seed))
         policy.save(folder)
-        result = common.judge(policy, preset, common.final_games)
-    trial.set_user_attr("win_rate", result.win_rate.value)
-    trial.set_user_attr("points_held", float(result.points_held.mean()))
-    trial.set_user_attr("agreement", model.leader_agreement)
-    return result.mean_margin.value / FORCE
+        result = common.judge(policy, preset, seed)
+    return Training(
+        margin=result.mean_margin.value / FORCE,
+        win_rate=result.win_rate.value,
+        points_held=float(result.points_held.mean()),
+        agreement=model.leader_agreement,
+    )
 
 
 def check(preset: Preset, common: Common) -> None:
@@ -116,19 +180,19 @@ def check(preset: Preset, common: Common) -> None:
     Raises:
         ConfigError: a setting is out of its range, or a player does not fit the scenario; and as `make_player`.
     """
-    new_model(preset, common)
-    common.terms(preset, 1).check_fit((*common.opponents, *common.panel))
+    new_model(preset, common, common.seed)
+    common.terms(preset, 1, common.seed).check_fit((*with_weights(common.opponents), *common.panel))
 
 
-def new_model(preset: Preset, common: Common) -> HierarchicalQMIX:
+def new_model(preset: Preset, common: Common, seed: int) -> HierarchicalQMIX:
     """A beginner whose lower level learns first, and leads whatever it has learned."""
     env = make_vec_env(
         TASK_ENV,
         n_envs=preset.n_envs,
-        seed=seed_for(Purpose.TRAINING, common.seed),
+        seed=seed_for(Purpose.TRAINING, seed),
         scenario=common.scenario,
         side="both",
-        opponent=list(common.opponents),
+        opponent=list(with_weights(common.opponents).items()),
         decision_ticks=preset.decision_ticks,
         demo_bot="MA2",
         privileged_state=True,
@@ -142,7 +206,7 @@ def new_model(preset: Preset, common: Common) -> HierarchicalQMIX:
     return HierarchicalQMIX(
         "HierarchicalPolicy",
         env,
-        seed=common.seed,
+        seed=seed,
         phase_ticks=(common.upper_ticks, common.lower_ticks),
         lower_first=True,
         takeover=0.0,
@@ -153,26 +217,10 @@ def new_model(preset: Preset, common: Common) -> HierarchicalQMIX:
     )
 
 
-class _Report(EverySteps):
-    """Judges the model now and then, tells the trial, and ends it if it is pruned."""
-
-    def __init__(self, trial: BaseTrial, preset: Preset, common: Common) -> None:
-        super().__init__(max(1, common.upper_ticks // preset.decision_ticks // (common.reports + 1)))
-        self.trial, self.preset, self.common = trial, preset, common
-        self.reported = 0
-
-    def policy(self) -> FrozenPolicy:
-        """What plays for the model now."""
-        rules = load_world(self.common.scenario).ruleset.hash
-        about = {**self.common.terms(self.preset, 1).about(), "rules": rules, "side": "both"}
-        return cast("HierarchicalQMIX", self.model).policy.freeze(**about)
-
-    def fire(self) -> None:
-        if self.reported == self.common.reports:  # the end: the objective's own games come
-            return
-        self.reported += 1
-        result = self.common.judge(self.policy(), self.preset, self.common.report_games)
-        upper = self.common.upper_ticks * self.reported // (self.common.reports + 1)
-        self.trial.report(result.mean_margin.value / FORCE, self.common.lower_ticks + upper)
-        if self.trial.should_prune():
-            raise optuna.TrialPruned
+def _report(trial: BaseTrial, done: Sequence[Training]) -> None:
+    """Tell a trial of its trainings so far."""
+    for name in ("win_rate", "points_held", "agreement"):
+        trial.set_user_attr(name, fmean(getattr(one, name) for one in done))
+    margins = [one.margin for one in done]
+    trial.set_user_attr("trainings", margins)
+    trial.report(fmean(margins), len(done))

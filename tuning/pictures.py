@@ -1,4 +1,4 @@
-"""Pictures of a study: history, importances, slices, the (alpha, beta) surface for each Delta-t, learning curves."""
+"""Pictures of a study: history, importances, slices, the (alpha, beta) surface for each Delta-t, the race."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from typing import Any
 import matplotlib as mpl
 import numpy as np
 import optuna
+from matplotlib.ticker import MaxNLocator
 from optuna.importance import PedAnovaImportanceEvaluator
 from optuna.trial import FrozenTrial, TrialState
 from optuna.visualization import matplotlib as plots
@@ -32,7 +33,7 @@ def draw_study(study: optuna.Study, folder: Path) -> list[Path]:
     done = study.get_trials(deepcopy=False, states=(TrialState.COMPLETE,))
     drawn: dict[str, Callable[[], Any]] = {
         "surface": lambda: _draw_surface(_shown(study)),
-        "curves": lambda: _draw_curves(_shown(study)),
+        "race": lambda: _draw_race(_shown(study)),
         "history": lambda: plots.plot_optimization_history(study, target_name=REACHED),
         "slices": lambda: plots.plot_slice(study, target_name=REACHED),
     }
@@ -106,31 +107,28 @@ def _draw_panel(axes: Any, trials: list[FrozenTrial], colours: Any) -> None:
         axes.scatter(*at[some].T, c=colours.to_rgba(reached[some]), marker=marker)
 
 
-def _draw_curves(trials: list[FrozenTrial]) -> Any:
-    """What each trial reported; completed ones end in a dot, the best and the first have a name."""
+def _draw_race(trials: list[FrozenTrial]) -> Any:
+    """Mean of each trial over its trainings so far; completed ones end in a dot, the best and the first have a name."""
     import matplotlib.pyplot as plt
 
     _, axes = plt.subplots(figsize=(7, 4), layout="constrained")
     done = [one for one in trials if one.state == TrialState.COMPLETE]
     best = max(done, key=_reached)
     for one in trials:
-        steps = [step / 1e6 for step in one.intermediate_values]
-        values = list(one.intermediate_values.values())
-        if one.state == TrialState.COMPLETE:
-            steps, values = [*steps, one.user_attrs["ticks"] / 1e6], [*values, _reached(one)]
         named = {best.number: "C1", 0: "C0"}.get(one.number)
         point = ", ".join(f"{name} {short(value)}" for name, value in one.params.items())
         axes.plot(
-            steps,
-            values,
+            list(one.intermediate_values),
+            list(one.intermediate_values.values()),
             color=named or "0.7",
             marker="o" if one.state == TrialState.COMPLETE else "x",
-            markevery=[-1] if values else None,
+            markevery=[-1] if one.intermediate_values else None,
             linewidth=2 if named else 1,
             zorder=3 if named else 2,
             label=f"trial {one.number}: {point}" if named else None,
         )
-    axes.set(xlabel="game ticks of both levels, millions", ylabel=REACHED)
+    axes.set(xlabel="trainings, one a seed", ylabel=f"{REACHED}, of the trainings so far")
+    axes.xaxis.set_major_locator(MaxNLocator(integer=True))
     axes.set_title(f"{len(done)} trials completed, {len(trials) - len(done)} pruned (x)")
     axes.legend(loc="lower right")
     return axes

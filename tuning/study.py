@@ -39,6 +39,7 @@ from hexwar_sb3.algorithms.preset_file import load_preset, save_preset
 from hexwar_sb3.algorithms.presets import PRESETS
 from hexwar_sb3.checks import check_whole
 from hexwar_sb3.errors import ConfigError, FileFormatError, HexWarError, UnknownNameError, shortened
+from hexwar_sb3.evaluation.opponents import with_weights
 from hexwar_sb3.evaluation.provenance import provenance
 from hexwar_sb3.files import UNFINISHED, check_held, replacing
 from hexwar_sb3.folders import holding, work_for_holder
@@ -59,12 +60,17 @@ MAXIMIZE = optuna.study.StudyDirection.MAXIMIZE
 POLL_S = 0.5
 MOST_LOST = 3  # processes one after the other that end before they have a trial
 REASON, REASON_LENGTH = "reason", 200  # attribute of a trial that failed by itself; characters
-PRUNERS: dict[str, Callable[[int], optuna.pruners.BasePruner]] = {
-    "median": lambda ticks: optuna.pruners.MedianPruner(n_startup_trials=5, n_warmup_steps=ticks),
-    "halving": lambda ticks: optuna.pruners.SuccessiveHalvingPruner(min_resource=ticks, reduction_factor=2),
-    "none": lambda _: optuna.pruners.NopPruner(),
+PRUNERS: dict[str, Callable[[], optuna.pruners.BasePruner]] = {
+    "halving": partial(optuna.pruners.SuccessiveHalvingPruner, min_resource=1, reduction_factor=2),
+    "median": partial(optuna.pruners.MedianPruner, n_startup_trials=5, n_warmup_steps=0),
+    "none": optuna.pruners.NopPruner,
 }
-"""By the game ticks before which none is pruned."""
+"""Steps are trainings, and all trials have the same seeds (`objective`): means at one step are over equal seeds.
+
+"halving" looks after 1, 2, 4, ... trainings: a trial goes on if its mean so far is in the better half of all that came as
+far until then, itself among them. "median" looks after each one, once five trials are completed: a trial goes on if its
+mean so far, or an earlier one of its own, is no worse than the median of theirs after as many.
+"""
 Say = Callable[[str], object]
 Worker: TypeAlias = "subprocess.Popen[bytes]"
 
@@ -78,7 +84,7 @@ class StudySpec:
     also: tuple[str, ...] = ()  # settings to search beside alpha, beta and Delta-t
     preset: str = "default"  # whose other settings all trials have
     sampler: str = "tpe"
-    pruner: str = "median"
+    pruner: str = "halving"
     common: Common = field(default_factory=Common)
 
     def __post_init__(self) -> None:
@@ -98,11 +104,15 @@ class StudySpec:
             raise ConfigError(
                 f"alpha and beta act through a lower level that learns; the preset's is {preset.lower}"
             )
-        for player in (*self.common.opponents, *self.common.panel):
-            if not isinstance(make_player(player), BotPlayer) and "spots" in self.also:
-                raise ConfigError(
-                    f"{player} knows the hot spots of its training alone: leave it or spots out"
-                )
+        for what, players in (
+            ("opponents", with_weights(self.common.opponents)),
+            ("panel", self.common.panel),
+        ):
+            for player in players:
+                if not isinstance(make_player(player), BotPlayer) and "spots" in self.also:
+                    raise ConfigError(
+                        f"{what}: {player} knows the hot spots of its training alone: leave it or spots out"
+                    )
 
     @property
     def space(self) -> Space:
@@ -124,8 +134,12 @@ class StudySpec:
         return dict(json.loads(json.dumps({**found, "preset": own})))
 
     def trial(self, number: int) -> Path:
-        """Folder of a trial's preset and policy."""
+        """Folder of a trial's preset and policies."""
         return self.folder / "trials" / str(number)
+
+    def policies(self, number: int) -> Path:
+        """Folder of a trial's policies, by the seeds of their trainings."""
+        return self.trial(number) / "policies"
 
     def lock(self, number: int) -> Path:
         """File that the process of a trial holds."""
@@ -142,7 +156,7 @@ class StudySpec:
             study_name=study_name(self.folder, self.storage),
             storage=open_storage(self.folder, self.storage),
             sampler=make_sampler(self.sampler, self.common.seed),
-            pruner=PRUNERS[self.pruner](self.common.warm_up),
+            pruner=PRUNERS[self.pruner](),
         )
 
 
@@ -345,7 +359,7 @@ def _trial(spec: StudySpec, held: ExitStack, trial: optuna.Trial) -> float:
         preset = load_preset(spec.preset).changed(point)
         save_preset(folder / "preset.json", preset, {"study": spec.folder.name, "trial": trial.number})
         try:
-            return objective(trial, preset, spec.common, folder / "policy")
+            return objective(trial, preset, spec.common, spec.policies(trial.number))
         finally:
             _keep_artifacts(spec, trial)
     except optuna.TrialPruned:
@@ -358,13 +372,13 @@ def _trial(spec: StudySpec, held: ExitStack, trial: optuna.Trial) -> float:
 
 
 def _keep_artifacts(spec: StudySpec, trial: optuna.Trial) -> None:
-    """Make a trial's preset and policy its artifacts."""
-    base, folder = spec.folder / "artifacts", spec.trial(trial.number)
+    """Make a trial's preset its artifact, and all its policies another."""
+    base, folder, policies = spec.folder / "artifacts", spec.trial(trial.number), spec.policies(trial.number)
     base.mkdir(exist_ok=True)
     with TemporaryDirectory(prefix=UNFINISHED, dir=folder) as place:  # who is killed leaves nothing elsewhere
         files = [str(folder / "preset.json")]
-        if (folder / "policy").is_dir():
-            files.append(make_archive(f"{place}/policy", "zip", folder / "policy"))
+        if policies.is_dir():
+            files.append(make_archive(f"{place}/policies", "zip", policies))
         for file in files:
             upload_artifact(
                 artifact_store=FileSystemArtifactStore(base_path=str(base)),
@@ -388,7 +402,7 @@ def in_words(trial: FrozenTrial) -> str:
     point = ", ".join(f"{name} {short(value)}" for name, value in trial.params.items())
     what = {
         TrialState.COMPLETE: f"{trial.value:+.3f}" if trial.value is not None else "",
-        TrialState.PRUNED: f"pruned after {len(trial.intermediate_values)} reports",
+        TrialState.PRUNED: f"pruned after training {len(trial.intermediate_values)}",
         TrialState.FAIL: trial.user_attrs.get(REASON, "failed"),
         TrialState.RUNNING: "its process is gone",
     }

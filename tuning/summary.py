@@ -31,7 +31,7 @@ def summary(study: optuna.Study, spec: StudySpec) -> dict[str, Any]:
         "trials": [_row(one) for one in trials],
         "count": count,
         "ticks": sum(int(one.user_attrs["ticks"]) for one in judged),
-        "ticks_without_pruning": (spec.common.lower_ticks + spec.common.upper_ticks) * len(judged),
+        "ticks_without_pruning": spec.common.ticks * len(judged),
         "minutes": sum(_minutes(one) for one in trials if one in judged or REASON in one.user_attrs),
         "best": _row(done[0]) if done else None,
         "paper": _row(papers[0]) if papers else None,
@@ -50,6 +50,7 @@ def in_words(figures: Mapping[str, Any], lay_out: LayOut) -> str:
             row["state"],
             *(short(row["point"].get(name, "")) for name in names),
             *("" if row[name] is None else short(row[name]) for name in ("value", "win_rate")),
+            " ".join(f"{one:+.2f}" for one in row["trainings"]),
             row["reason"] or "",
         ]
         for row in order
@@ -60,7 +61,7 @@ def in_words(figures: Mapping[str, Any], lay_out: LayOut) -> str:
     cost = f"{ticks / 1e6:.1f} million ticks, {100 * saved:.0f} % saved by pruning"
     return "\n\n".join(
         [
-            lay_out(("trial", "state", *names, "margin / 134", "win rate", ""), rows),
+            lay_out(("trial", "state", *names, "margin / 134", "win rate", "trainings", ""), rows),
             f"{count}; {cost}; {figures['minutes']:.1f} core-minutes",
             "\n".join(figures["pictures"]),
         ]
@@ -74,7 +75,7 @@ def _row(trial: FrozenTrial) -> dict[str, Any]:
         "state": trial.state.name.lower(),
         "point": dict(trial.params),
         "value": trial.value if trial.state == TrialState.COMPLETE else None,
-        "reports": {str(step): value for step, value in trial.intermediate_values.items()},
+        "trainings": list(own.get("trainings", ())),
         "win_rate": own.get("win_rate"),
         "points_held": own.get("points_held"),
         "agreement": own.get("agreement"),

@@ -13,6 +13,7 @@ from hexwar_sb3.kinds import fits, read_fields
 from hexwar_sb3.tuning.space import Space, checked_point
 
 JUDGED = (TrialState.COMPLETE, TrialState.PRUNED)
+RUNG = "completed_rung_"  # Optuna's names of what its halving compares, but for the number
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -30,6 +31,8 @@ class Attributes:
     ticks: int = 0
     win_rate: float = 0.0
     points_held: float = 0.0
+    agreement: float = 0.0
+    trainings: tuple[float, ...] = ()
     reason: str = ""
     again: int = 0
 
@@ -73,8 +76,13 @@ def _check_values(trial: FrozenTrial, study: str, place: str) -> None:
     reports = [*trial.intermediate_values.items()]
     if trial.state == TrialState.COMPLETE and (len(values) != 1 or not math.isfinite(values[0])):
         raise FileFormatError(study, f"{place}.values", found=repr(values), expected="one finite number")
-    if not all(fits(step, int) and isinstance(value, float) for step, value in reports):
-        raise FileFormatError(study, f"{place}.reports", found=repr(reports), expected="numbers by step")
+    if not all(fits(step, int) and fits(value, float) for step, value in reports):
+        raise FileFormatError(
+            study, f"{place}.reports", found=repr(reports), expected="finite numbers by step"
+        )
+    for name, value in trial.system_attrs.items():
+        if name.startswith(RUNG) and not fits(value, float):
+            raise FileFormatError(study, f"{place}.{name}", found=repr(value), expected="a finite number")
 
 
 def _check_judged(trial: FrozenTrial, space: Space, study: str, place: str) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 from dataclasses import dataclass, replace
-from functools import cache, cached_property
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeVar
 
@@ -16,11 +16,10 @@ from hexwar_sb3.commands.output import compile_first
 from hexwar_sb3.commands.run_folder import RunFolder
 from hexwar_sb3.commands.settings import ConstantPlans, Json, ScenarioName, Seed, check_name
 from hexwar_sb3.errors import ConfigError, FileFormatError, HexWarError, UnknownNameError
-from hexwar_sb3.evaluation.opponents import LEARNED_OPPONENT, OPPONENTS, named
+from hexwar_sb3.evaluation.opponents import broad_mixture, named, sizes
 from hexwar_sb3.evaluation.seeds import Purpose
 from hexwar_sb3.kinds import read_fields
-from hexwar_sb3.maps.files import builtin_names, load_scenario
-from hexwar_sb3.rules.enums import Camp
+from hexwar_sb3.maps.files import builtin_names
 
 LOWER_SCENARIOS = (*builtin_names(), "hills@1", "hills@2", "hills@3", "hills@4", "hills@5")
 """Maps that the lower level learns on, so that it finds its way on those that it never saw."""
@@ -190,9 +189,7 @@ class Train:
     @property
     def met(self) -> tuple[str, ...]:
         """Opponents, as they were given, or the broad mixture."""
-        if self.opponents is not None:
-            return self.opponents
-        return (*OPPONENTS, *((LEARNED_OPPONENT,) if sizes(self.scenario) == sizes("plain") else ()))
+        return broad_mixture(self.scenario) if self.opponents is None else self.opponents
 
     def _check_lower(self) -> None:
         """Check what the lower level's phases will need, before the first one comes."""
@@ -262,14 +259,6 @@ OF_PRESET = tuple(
     if field.default is None and (name in PARTS or name in OF_POLICY or hasattr(Preset, name))
 )
 """Settings whose values are the preset's where none is given."""
-
-
-@cache
-def sizes(scenario: str) -> tuple[int, int, int]:
-    """Number of red's pieces, of blue's, and of control points; a policy fits where they are its own."""
-    start = load_scenario(scenario)
-    red = sum(piece.camp == Camp.RED for piece in start.pieces)
-    return red, len(start.pieces) - red, len(start.points)
 
 
 def settings_from(folder: RunFolder) -> Train:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import sys
+from collections.abc import Sequence
 from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
@@ -14,7 +15,7 @@ import tyro
 from hexwar_sb3.checks import check_whole
 from hexwar_sb3.commands.output import as_json, compile_first, panel_table, print_json, table
 from hexwar_sb3.commands.run_folder import write_text
-from hexwar_sb3.commands.settings import Json, ScenarioName, Seed, check_jobs
+from hexwar_sb3.commands.settings import Json, ScenarioName, check_jobs
 from hexwar_sb3.errors import ConfigError
 
 if TYPE_CHECKING:
@@ -22,16 +23,17 @@ if TYPE_CHECKING:
 
 FAILED, INTERRUPTED = 1, 130  # exit codes: no trial was completed; Ctrl-C
 NEEDED = ("optuna", "filelock", "scipy")  # of the extra "tune"
-ACTIONS = """run: go on with the trials; show: table and pictures; compare: points against the paper's, over any seeds;
+ACTIONS = """run: go on with the trials; show: table and pictures; compare: points against the paper's, over fresh seeds;
 export: a preset"""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Tune:
-    """Search alpha, beta and Delta-t, and what else is asked for: trials of both levels on an Optuna study.
+    """Search alpha, beta and Delta-t, and what else is asked for: an Optuna study whose trials race.
 
-    The same command goes on with a study. `hexwar tune export STUDY -o my.json` writes its best point as a preset for
-    `hexwar train --preset my.json`.
+    A trial is several short trainings of both levels, one a seed, and all trials have the same seeds: whose mean so far
+    falls behind is broken off between two trainings. The same command goes on with a study. `hexwar tune export STUDY
+    -o my.json` writes its best point as a preset for `hexwar train --preset my.json`.
     """
 
     action: Annotated[
@@ -50,18 +52,23 @@ class Tune:
     enqueue: tuple[str, ...] = ()
     preset: str = "default"  # whose other settings all trials have
     sampler: Literal["tpe", "gp", "random", "qmc"] = "tpe"  # draws the points
-    pruner: Literal["median", "halving", "none"] = "median"  # breaks trials off
+    # breaks trials off between trainings, by their means so far: all but the better half, or all below the median
+    pruner: Literal["halving", "median", "none"] = "halving"
     scenario: ScenarioName = "plain"
-    opponents: tuple[str, ...] = ("MA1", "MA2")  # of the trainings
-    panel: tuple[str, ...] = ("MA1", "MA2", "HRL0")  # players or folders that judge
-    lower_ticks: int = 2_500_000  # game ticks that the lower level learns, of all games together
-    upper_ticks: int = 9_000_000  # and then the upper level; a game has 1,800
-    reports: int = 5  # evaluations on the way; after half of them a trial may be pruned
-    report_games: int = 40  # of each of them against each of the panel and in each colour
-    final_games: int = 200  # and of the objective
-    seed: Seed = 0
+    # of the trainings, NAME or NAME=WEIGHT; else the broad mixture of `hexwar train`
+    opponents: tuple[str, ...] = ()
+    # players or folders that judge
+    panel: tuple[str, ...] = ("MA1", "MA2", "nearest", "two-hold", "drawn", "HRL0")
+    trainings: int = 4  # of a trial, one after the other: one a seed, from `seed` on
+    # game ticks that the lower level learns in a training, of all games together
+    lower_ticks: int = 1_250_000
+    upper_ticks: int = 4_500_000  # and then the upper level; a game has 1,800
+    final_games: int = 100  # that judge a training, against each of the panel and in each colour
+    # 0..999999; of the first training of every trial, and the sampler's
+    seed: int = 0
     games: int = 2_000  # of "compare", a policy, opponent and colour
-    seeds: tuple[int, ...] = ()  # of the trainings of "compare"; else the study's own
+    # of the trainings of "compare"; else fresh ones, those that follow a trial's, as many as it has
+    seeds: tuple[int, ...] = ()
     trials: tuple[int, ...] = ()  # whose points "compare" takes, or the one of "export"; else the best
     # file of "export" (else tuned.json) or of "compare" (else compare.json in the study's folder)
     output: Annotated[Path | None, tyro.conf.arg(aliases=("-o",))] = None
@@ -72,12 +79,9 @@ class Tune:
         if missing := [name for name in NEEDED if find_spec(name) is None]:
             raise ConfigError(f'tuning needs {", ".join(missing)}: pip install "hexwar-sb3[tune]"')
         from hexwar_sb3.evaluation.matches import check_games
-        from hexwar_sb3.evaluation.seeds import Purpose, seed_for
 
         check_jobs("workers", self.workers)
         check_games(self.games)
-        for seed in self.seeds:
-            seed_for(Purpose.TUNING, seed)
         from hexwar_sb3.tuning.store import database_errors
         from hexwar_sb3.tuning.study import known_spec
 
@@ -134,12 +138,12 @@ class Tune:
         from hexwar_sb3.tuning.final import compare
 
         compile_first(scenario=spec.common.scenario)
-        found = compare(spec, self.games, self.seeds or (spec.common.seed,), self.workers, self.trials)
+        found = compare(spec, self.games, self.seeds, self.workers, self.trials)
         write_text(self.output or spec.folder / "compare.json", as_json(found) + "\n")
         if self.json:
             print_json(found)
             return 0
-        print(panel_table(found["rows"]))
+        print(panel_table(found["rows"]), _seeds_in_words(**found["seeds"]), sep="\n\n")
         for name, differences in found["minus_paper"].items():
             for games, by_measure in differences.items():
                 for what, one in by_measure.items():
@@ -173,6 +177,14 @@ class Tune:
 
 def _say(line: str) -> None:
     print(line, file=sys.stderr, flush=True)
+
+
+def _seeds_in_words(compared: Sequence[int], study: Sequence[int]) -> str:
+    """Which trainings are compared, and whether the points were chosen by some of them."""
+    own = [seed for seed in compared if seed in study]
+    chose = f"the study chose by {', '.join(map(str, study))}"
+    fresh = f"of these {', '.join(map(str, own))} chose too" if own else "these are fresh"
+    return f"trainings with the seeds {', '.join(map(str, compared))}; {chose}: {fresh}"
 
 
 def _point(text: str) -> object:

@@ -4,15 +4,40 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
+from functools import cache
 from math import isfinite
 
 from hexwar_sb3.errors import ConfigError
+from hexwar_sb3.maps.files import load_scenario
+from hexwar_sb3.rules.enums import Camp
 
 OPPONENTS = ("MA1=6", "MA2=6", "drawn=3", "nearest", "defender", "all-main", "half-half")
 """Scripted players of both kinds, known ones and others in each game: who learns against them holds against more."""
 LEARNED_OPPONENT = "HRL0=2"  # a trained policy beside them, for line-ups like that of "plain"
 SELF = "self"  # an opponent of a training: copies of what it was before
 WEIGHT = re.compile(r"(.+)=([0-9.]+(?:[eE][-+]?[0-9]+)?)", re.DOTALL)
+
+
+def broad_mixture(scenario: str) -> tuple[str, ...]:
+    """Opponents of a training where none is named; the trained policy is among them where it fits.
+
+    Raises:
+        UnknownNameError: there is no such scenario.
+        ScenarioFileError, MapFileError: its file is broken.
+
+    Example:
+        >>> broad_mixture("hills")[-1]
+        'HRL0=2'
+    """
+    return (*OPPONENTS, *((LEARNED_OPPONENT,) if sizes(scenario) == sizes("plain") else ()))
+
+
+@cache
+def sizes(scenario: str) -> tuple[int, int, int]:
+    """Number of red's pieces, of blue's, and of control points; a policy fits where they are its own."""
+    start = load_scenario(scenario)
+    red = sum(piece.camp == Camp.RED for piece in start.pieces)
+    return red, len(start.pieces) - red, len(start.points)
 
 
 def named(opponents: Sequence[str]) -> list[str]:

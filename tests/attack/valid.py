@@ -249,7 +249,7 @@ def study(root: Path) -> None:
     from hexwar_sb3.tuning.study import REASON, begin
 
     study = begin(study_spec(root / "study"))
-    attributes = {"ticks": 2 * TRAINED, "win_rate": 0.5}
+    attributes = {"ticks": 2 * TRAINED, "win_rate": 0.5, "trainings": [0.25, -0.5]}
     ends = [optuna.trial.TrialState.COMPLETE] * 2 + [
         optuna.trial.TrialState.PRUNED,
         optuna.trial.TrialState.FAIL,

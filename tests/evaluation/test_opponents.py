@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from hexwar_sb3.errors import ConfigError
-from hexwar_sb3.evaluation.opponents import named, with_weights
+from hexwar_sb3.evaluation.opponents import broad_mixture, named, with_weights
 
 
 def test_a_weight_stands_after_the_name() -> None:
@@ -17,6 +17,11 @@ def test_a_weight_stands_after_the_name() -> None:
         "nearest": 0.0,
     }
     assert named(["MA1=3", "self", "drawn"]) == ["MA1", "drawn"]
+
+
+def test_the_broad_mixture_has_the_trained_policy_where_it_fits() -> None:
+    assert broad_mixture("hills@3") == broad_mixture("plain")
+    assert with_weights(broad_mixture("plain"))["HRL0"] == 2.0
 
 
 @pytest.mark.parametrize(

@@ -15,8 +15,7 @@ SMALL = Common(
     panel=("MA1",),
     lower_ticks=60_000,
     upper_ticks=108_000,
-    reports=2,
-    report_games=1,
+    trainings=2,
     final_games=2,
 )
 

@@ -4,14 +4,18 @@ from __future__ import annotations
 
 import json
 import shutil
+from dataclasses import replace
 from importlib.util import find_spec
 from pathlib import Path
+from statistics import fmean
 from typing import Any
 
 import pytest
 
 from hexwar_sb3.algorithms.preset_file import load_preset
 from hexwar_sb3.cli import main
+from hexwar_sb3.evaluation.panel import play_panel
+from hexwar_sb3.evaluation.seeds import Purpose
 from hexwar_sb3.folders import LOCK
 from hexwar_sb3.play.frozen import FrozenPolicy
 from hexwar_sb3.tuning.final import compare
@@ -20,30 +24,76 @@ from hexwar_sb3.tuning.study import StudySpec, begin, best_trial, known_spec
 
 
 def test_best_and_paper_meet_the_panel_on_the_same_games(finished: StudySpec) -> None:
-    found = compare(finished, games=3, seeds=(0, 1), workers=2)
+    """Seed 1 is one of the study's own, seed 2 is not."""
+    found = compare(finished, games=3, seeds=(1, 2), workers=2)
     best = f"trial {best_trial(begin(finished)).number}"
 
     assert list(found["points"]) == [best, "paper"]
     assert found["points"]["paper"] == {"alpha": 0.01, "beta": 0.05, "decision_ticks": 75}
     assert [(row["player"], row["camp"], row["games"]) for row in found["rows"]] == [
         (f"{name}, seed {seed}", camp, 3)
-        for seed in (0, 1)
+        for seed in (1, 2)
         for name in (best, "paper")
         for camp in ("red", "blue")
     ]
     margin = margins(found)
     differences = found["minus_paper"][best]
-    by_seed = [differences[f"seed {seed}"]["margin"]["value"] for seed in (0, 1)]
+    by_seed = [differences[f"seed {seed}"]["margin"]["value"] for seed in (1, 2)]
     assert by_seed == pytest.approx(
-        [margin[f"{best}, seed {seed}"] - margin[f"paper, seed {seed}"] for seed in (0, 1)]
+        [margin[f"{best}, seed {seed}"] - margin[f"paper, seed {seed}"] for seed in (1, 2)]
     )
     assert differences["all"]["margin"]["value"] == pytest.approx(sum(by_seed) / 2)
     low, high = differences["trainings"]["margin"]["interval"]
     half = 12.7062 * abs(by_seed[0] - by_seed[1]) / 2  # Student's quantile of one degree of freedom
     assert (low, high) == pytest.approx((sum(by_seed) / 2 - half, sum(by_seed) / 2 + half), rel=1e-4)
     trained = sorted(path.name for path in (finished.folder / "finalists").iterdir() if path.name != LOCK)
-    assert len(trained) == len({str(point) for point in found["points"].values()})  # seed 0 is the study's
-    assert all(name.endswith("-seed1") for name in trained)
+    assert len(trained) == len({str(point) for point in found["points"].values()})
+    assert all(name.endswith("-seed2") for name in trained)
+
+
+def test_a_policy_of_the_study_is_that_of_its_point_and_seed(finished: StudySpec) -> None:
+    margin = margins(compare(finished, games=2, seeds=finished.common.seeds, trials=(1,)))
+
+    for seed in finished.common.seeds:
+        preset = load_preset("default").changed(begin(finished).trials[1].params)
+        terms = replace(finished.common.terms(preset, 2, seed), purpose=Purpose.REPORT)
+        own = FrozenPolicy.load(finished.policies(1) / str(seed))
+        panel = play_panel(own, finished.common.panel, terms, name="own")
+        assert margin[f"trial 1, seed {seed}"] == pytest.approx(panel.total.mean_margin.value)
+
+
+def test_points_are_compared_by_seeds_that_did_not_choose_them(
+    finished: StudySpec, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    folder = tmp_path / "fresh"
+    shutil.copytree(finished.folder, folder, ignore=shutil.ignore_patterns("finalists"))
+    found = compare(known_spec(folder), games=2, trials=(0,))
+
+    assert found["seeds"] == {"compared": [2, 3], "study": [0, 1]}
+    assert [row["player"] for row in found["rows"][::2]] == [
+        f"{name}, seed {seed}" for seed in (2, 3) for name in ("trial 0", "paper")
+    ]
+    assert {path.name[-6:] for path in (folder / "finalists").glob("*-seed*")} == {"-seed2", "-seed3"}
+    for seeds, said in (
+        ((), "trainings with the seeds 2, 3; the study chose by 0, 1: these are fresh"),
+        ((2, 1), "trainings with the seeds 2, 1; the study chose by 0, 1: of these 1 chose too"),
+    ):
+        flags = ("--games", "2", "--trials", "0", *(("--seeds", *map(str, seeds)) if seeds else ()))
+        with pytest.raises(SystemExit) as stopped:
+            main(("tune", "compare", str(folder), *flags))
+        assert stopped.value.code == 0
+        assert said in capsys.readouterr().out.splitlines()
+
+
+@pytest.mark.parametrize("seed", ["-1", "1000000"])
+def test_a_seed_that_is_none_trains_nothing(
+    seed: str, finished: StudySpec, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(SystemExit) as stopped:
+        main(("tune", "compare", str(finished.folder), "--seeds", "1", seed))
+
+    assert stopped.value.code == 2
+    assert f"seed must be in 0..999999, got {seed}" in capsys.readouterr().err
 
 
 def margins(found: dict[str, Any]) -> dict[str, float]:
@@ -55,7 +105,7 @@ def margins(found: dict[str, Any]) -> dict[str, float]:
 
 
 def test_several_trials_meet_the_papers_point(finished: StudySpec) -> None:
-    found = compare(finished, games=2, trials=(2, 1, 2))
+    found = compare(finished, games=2, seeds=(0,), trials=(2, 1, 2))
     margin = margins(found)
 
     assert list(found["points"]) == ["trial 2", "trial 1", "paper"]
@@ -120,7 +170,10 @@ def test_who_looks_at_a_study_leaves_its_journal_as_it_is(
         assert stopped.value.code == 0
 
     assert journal.read_bytes() == before
-    assert "3 complete" in capsys.readouterr().out
+    said = capsys.readouterr().out
+    assert "3 complete" in said
+    for trial in begin(finished).trials:
+        assert " ".join(f"{one:+.2f}" for one in trial.user_attrs["trainings"]) in said
 
 
 def test_where_the_papers_point_is_the_best_it_is_trained_once(finished: StudySpec, tmp_path: Path) -> None:
@@ -174,5 +227,8 @@ def test_the_studys_page_has_every_trial_and_picture(
     assert [row["state"] for row in said["trials"]] == ["complete"] * 3
     assert said["paper"]["number"] == 0
     assert said["ticks"] == pytest.approx(said["ticks_without_pruning"], rel=0.05)
-    for name in ("history", "slices", "curves", "surface"):
+    for row in said["trials"]:
+        assert row["value"] == fmean(row["trainings"])
+        assert len(row["trainings"]) == 2
+    for name in ("history", "slices", "race", "surface"):
         assert (finished.folder / f"{name}.png").stat().st_size > 5_000

@@ -12,20 +12,20 @@ import pytest
 from optuna.trial import FrozenTrial, TrialState
 
 from hexwar_sb3.tuning.objective import Common
-from hexwar_sb3.tuning.pictures import draw_study
+from hexwar_sb3.tuning.pictures import _draw_race, draw_study
 from hexwar_sb3.tuning.space import PAPER, Point, space_of
 from hexwar_sb3.tuning.study import REASON, StudySpec
 from hexwar_sb3.tuning.summary import summary
 from hexwar_sb3.tuning.workers import AGAIN
 
-COMMON = Common(lower_ticks=100, upper_ticks=300)
+COMMON = Common(trainings=2, lower_ticks=50, upper_ticks=150)
 MINUTES = 3.0
 
 
 def trial(point: Point, state: TrialState, value: float | None = None, **attributes: Any) -> FrozenTrial:
     """One that took three minutes."""
     begun = datetime(2026, 1, 1, tzinfo=UTC)
-    values = {} if state == TrialState.FAIL else {200: -0.5, 300: 0.1}
+    values = {} if state == TrialState.FAIL else {1: -0.5, **({} if value is None else {2: value})}
     made = optuna.trial.create_trial(
         params=point,
         distributions={name: one for name, one in space_of(point).items() if name in point},
@@ -75,9 +75,18 @@ def test_every_study_has_its_pictures(what: str, tmp_path: Path) -> None:
     drawn = draw_study(study_of(trials), tmp_path)
 
     enough = sum(one.state == COMPLETE for one in trials) >= 4
-    names = ["surface", "curves", "history", "slices", *(["importances"] if enough else [])]
+    names = ["surface", "race", "history", "slices", *(["importances"] if enough else [])]
     assert [path.stem for path in drawn] == names
     assert all(path.stat().st_size > 5_000 for path in drawn)
+
+
+def test_the_race_is_the_mean_by_number_of_trainings_and_who_is_pruned_ends_in_x() -> None:
+    lines = _draw_race(STUDIES["a surface, and pruned ones"]).get_lines()
+
+    assert [list(line.get_xdata()) for line in lines] == [[1, 2]] * 4 + [[1]]
+    assert [line.get_ydata()[-1] for line in lines] == pytest.approx([0.0, -0.09, 0.09, 0.0, -0.5])
+    assert [line.get_marker() for line in lines] == ["o"] * 4 + ["x"]
+    assert {tuple(line.get_markevery()) for line in lines} == {(-1,)}
 
 
 def test_a_study_without_a_completed_trial_has_none(tmp_path: Path) -> None:
@@ -85,7 +94,7 @@ def test_a_study_without_a_completed_trial_has_none(tmp_path: Path) -> None:
 
 
 def test_a_summary_counts_who_was_judged(tmp_path: Path) -> None:
-    """One complete, one pruned at half of it, one that failed by itself, one that died and came again."""
+    """One complete, one pruned after the first of two trainings, one that failed by itself, one that died and came again."""
     other = {**PAPER, "alpha": 0.5}
     study = study_of(
         [

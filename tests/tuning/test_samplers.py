@@ -1,4 +1,4 @@
-"""Samplers by name, drawn as a study draws; the pruners' warm-up."""
+"""Samplers by name, drawn as a study draws; pruners that compare trials over equal seeds."""
 
 from __future__ import annotations
 
@@ -73,25 +73,39 @@ def test_a_trial_that_died_at_once_keeps_the_point_that_it_was_given() -> None:
     assert study.trials[1].system_attrs["fixed_params"] == {"alpha": 0.25, "spots": 3}
 
 
-@pytest.mark.parametrize("name", ["median", "halving"])
-def test_a_pruner_lets_the_first_reports_be(name: str) -> None:
-    study = new_study(pruner=PRUNERS[name](100))
-    for level in (1.0,) * 6 + (0.0,):
-        trial = study.ask()
-        trial.report(level, 50)
-        early = trial.should_prune()
-        trial.report(level, 150)
-        late = trial.should_prune()
-        if not late:
-            study.tell(trial, level)
+def raced(study: optuna.Study, *means: float) -> int:
+    """Trainings after which a trial with these means so far is broken off; all of them if it is not."""
+    trial = study.ask()
+    for step, mean in enumerate(means, start=1):
+        trial.report(mean, step)
+        if trial.should_prune():
+            study.tell(trial, state=optuna.trial.TrialState.PRUNED)
+            return step
+    study.tell(trial, means[-1])
+    return len(means)
 
-    assert (early, late) == (False, True)  # of the last, the worst
+
+def test_halving_compares_after_the_first_training_and_those_that_came_as_far() -> None:
+    study = new_study(pruner=PRUNERS["halving"]())
+
+    assert raced(study, 0.5, 0.9, 0.8) == 3  # the first has nobody beside it
+    assert raced(study, 0.4, 9.0, 9.0) == 1
+    assert raced(study, 0.7, 0.6, 0.6) == 2  # ahead of the first after one, behind it after two
+    assert raced(study, 0.6, 1.0, 1.0) == 3  # the second of four: the better half
+    assert raced(study, 0.5, 9.0, 9.0) == 1  # the third of five
+
+
+def test_the_median_is_that_of_completed_trials_after_as_many_trainings() -> None:
+    study = new_study(pruner=PRUNERS["median"]())
+    for level in (0.1, 0.2, 0.3, 0.4, 0.5):
+        assert raced(study, level, 1.0 + level, 1.0) == 3  # five are completed first
+
+    assert raced(study, 0.29, 9.0, 9.0) == 1
+    assert raced(study, 0.31, 1.29, 9.0) == 2
+    assert raced(study, 0.31, 1.31, 1.31) == 3
 
 
 def test_no_pruner_prunes_nothing() -> None:
-    study = new_study(pruner=PRUNERS["none"](0))
+    study = new_study(pruner=PRUNERS["none"]())
     for level in (1.0,) * 6 + (0.0,):
-        trial = study.ask()
-        trial.report(level, 150)
-        assert not trial.should_prune()
-        study.tell(trial, level)
+        assert raced(study, level, level) == 2

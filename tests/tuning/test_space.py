@@ -37,7 +37,7 @@ def test_a_study_begins_at_the_papers_point_and_the_presets_own_values(name: str
     point = first_point(PRESETS[name], space_of(others))
 
     assert [point[one] for one in ALWAYS] == [0.01, 0.05, 75]
-    assert point["batch_size"] == 128
+    assert point["batch_size"] == {"default": 64, "paper": 128}[name]
     assert point["mixer"] == "qmix"
     assert point["td_lambda"] is None
     assert point["spots"] == 6

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -38,13 +39,19 @@ def test_the_papers_point_comes_first(finished: StudySpec) -> None:
     assert len({one.params["alpha"] for one in trials}) == 3
 
 
-def test_a_trial_leaves_its_preset_and_policy_as_artifacts(finished: StudySpec) -> None:
+def test_a_trial_leaves_its_preset_and_policies_as_artifacts(finished: StudySpec, tmp_path: Path) -> None:
     study = begin(finished)
     for trial in study.trials:
-        policy = FrozenPolicy.load(finished.trial(trial.number) / "policy")
-        assert policy.about["decision_ticks"] == str(trial.params["decision_ticks"])
+        for seed in ("0", "1"):
+            policy = FrozenPolicy.load(finished.policies(trial.number) / seed)
+            assert policy.about["decision_ticks"] == str(trial.params["decision_ticks"])
+            assert policy.about["seed"] == seed
         artifacts = optuna.artifacts.get_all_artifact_meta(trial, storage=study._storage)
-        assert sorted(one.filename for one in artifacts) == ["policy.zip", "preset.json"]
+        of_name = {one.filename: one.artifact_id for one in artifacts}
+        assert sorted(of_name) == ["policies.zip", "preset.json"]
+        packed = finished.folder / "artifacts" / of_name["policies.zip"]
+        shutil.unpack_archive(packed, tmp_path / str(trial.number), "zip")
+        assert sorted(path.name for path in (tmp_path / str(trial.number)).iterdir()) == ["0", "1"]
 
 
 def test_a_study_that_goes_on_is_the_unbroken_one(finished: StudySpec, spec: StudySpec) -> None:
@@ -88,6 +95,10 @@ OTHERS: dict[str, tuple[Callable[[StudySpec], StudySpec], str]] = {
     "budget": (
         lambda spec: replace(spec, common=replace(spec.common, upper_ticks=72_000)),
         "holds another study: upper_ticks 108000, not 72000",
+    ),
+    "seeds": (
+        lambda spec: replace(spec, common=replace(spec.common, trainings=3)),
+        "holds another study: trainings 2, not 3",
     ),
 }
 
@@ -243,6 +254,16 @@ WRONG: dict[str, tuple[dict[str, Any], str]] = {
     "setting": ({"also": ("widths",)}, "unknown setting 'widths'"),
     "preset": ({"preset": "fast"}, "unknown preset 'fast'"),
     "panel": ({"common": Common(panel=("MA9",))}, "unknown player 'MA9'"),
+    "opponent with a weight": ({"common": Common(opponents=("MA9=2",))}, "unknown player 'MA9'"),
+    "itself as an opponent": ({"common": Common(opponents=("MA1", "self"))}, "unknown player 'self'"),
+    "hot spots, and a policy among the opponents": (
+        {"also": ("spots",), "common": Common(panel=("MA1",))},
+        "opponents: HRL0 knows the hot spots of its training alone: leave it or spots out",
+    ),
+    "hot spots, and a policy in the panel": (
+        {"also": ("spots",), "common": Common(opponents=("MA1=2", "drawn"))},
+        "panel: HRL0 knows the hot spots of its training alone: leave it or spots out",
+    ),
 }
 
 

@@ -22,14 +22,45 @@ GOOD: dict[str, Any] = {
     "value": 0.5,
     "params": PAPER,
     "distributions": SPACE,
-    "user_attrs": {"ticks": 10, "win_rate": 0.5, "agreement": 0.0, "worker": {"host": "x", "pid": 1}},
-    "intermediate_values": {10: 0.5},
+    "user_attrs": {
+        "ticks": 10,
+        "win_rate": 0.5,
+        "agreement": 0.0,
+        "trainings": [0.4, 0.6],
+        "worker": {"host": "x", "pid": 1},
+    },
+    "intermediate_values": {1: 0.4, 2: 0.5},
+    "system_attrs": {"completed_rung_0": 0.4},
 }
 WRONG: dict[str, tuple[dict[str, Any], str]] = {
     "no value": ({"values": []}, r"trial -1\.values: found \[\]; expected one finite number"),
     "two values": ({"values": [1.0, 2.0]}, r"trial -1\.values: found \[1\.0, 2\.0\]"),
     "an infinite value": ({"values": [float("inf")]}, r"trial -1\.values"),
     "a report that is a text": ({"intermediate_values": {1: "x"}}, r"trial -1\.reports"),
+    "a report that is no number": (
+        {"intermediate_values": {1: float("nan")}},
+        r"trial -1\.reports: found \[\(1, nan\)\]; expected finite numbers by step",
+    ),
+    "a rung that is a text": (
+        {"system_attrs": {"completed_rung_0": "x"}},
+        r"trial -1\.completed_rung_0: found 'x'; expected a finite number",
+    ),
+    "trainings that are a number": (
+        {"user_attrs": {"ticks": 1, "trainings": 0.5}},
+        r"trial -1\.trainings: found 0\.5; expected a list",
+    ),
+    "a training that is a text": (
+        {"user_attrs": {"ticks": 1, "trainings": [0.5, "x"]}},
+        r"trial -1\.trainings: found \[0\.5, 'x'\]",
+    ),
+    "a training that is infinite": (
+        {"user_attrs": {"ticks": 1, "trainings": [float("inf")]}},
+        r"trial -1\.trainings: found \[inf\]",
+    ),
+    "an agreement that is no number": (
+        {"user_attrs": {"ticks": 1, "agreement": float("nan")}},
+        r"trial -1\.agreement: found nan; expected a finite number",
+    ),
     "ticks as a text": (
         {"user_attrs": {"ticks": "x"}},
         r"trial -1\.ticks: found 'x'; expected a whole number",
@@ -108,13 +139,26 @@ def test_common_settings_of_other_kinds_are_refused(spec: StudySpec) -> None:
         {"seed": "x"},
         {"seed": -1},
         {"panel": "MA1"},
-        {"reports": True},
-        {"reports": 0},
+        {"trainings": True},
+        {"trainings": 0},
         {"colour": 1},
     ):
         told(spec, common={**spec.values()["common"], **change})
         with pytest.raises(HexWarError):
             known_spec(spec.folder)
+
+
+def test_a_study_of_an_earlier_version_is_refused_with_its_place(spec: StudySpec) -> None:
+    """One that judged a point by one training, with reports within it."""
+    common = {**spec.values()["common"], "reports": 5, "report_games": 40}
+    del common["trainings"]
+    told(spec, pruner="median", common=common)
+    with pytest.raises(FileFormatError) as error:
+        known_spec(spec.folder)
+
+    assert (error.value.path, error.value.place) == (str(spec.folder), "common.reports")
+    assert error.value.found == "an unknown setting"
+    assert "trainings" in error.value.expected
 
 
 def test_a_strangers_text_does_not_steer_the_terminal(spec: StudySpec) -> None:

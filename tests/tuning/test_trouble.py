@@ -21,9 +21,11 @@ from hexwar_sb3.algorithms.preset_file import save_preset
 from hexwar_sb3.algorithms.presets import PRESETS
 from hexwar_sb3.cli import main
 from hexwar_sb3.errors import BusyError, ConfigError, FileFormatError
+from hexwar_sb3.evaluation.opponents import OPPONENTS
 from hexwar_sb3.maps.files import load_scenario, save_scenario
 from hexwar_sb3.rules.enums import PieceType
 from hexwar_sb3.tuning import study as module
+from hexwar_sb3.tuning.objective import Common
 from hexwar_sb3.tuning.store import JOURNAL
 from hexwar_sb3.tuning.study import REASON, StudySpec, begin, best_trial, known_spec, run_study, work
 from hexwar_sb3.tuning.workers import WORKER
@@ -40,6 +42,7 @@ def test_a_trial_that_goes_nan_fails_and_the_study_goes_on(spec: StudySpec, tmp_
     first, second = begin(there).trials
     assert (first.state, second.state.is_finished()) == (TrialState.FAIL, True)
     assert "TrainingError: update" in first.user_attrs[REASON]
+    assert there.common.lower_ticks <= first.user_attrs["ticks"] < there.common.ticks / 2
     assert "TrainingError" in (there.trial(0) / "error.txt").read_text()
     assert [line.partition(":")[0] for line in said] == ["trial 0", "trial 1"]
 
@@ -206,6 +209,10 @@ def test_a_player_of_another_line_up_is_met_before_the_first_trial(
         run_study(there, 1, say=lambda _: None)
 
     assert not spec.folder.exists()
+
+
+def test_a_study_on_another_line_up_meets_the_mixture_without_the_policy(ground: str) -> None:
+    assert Common(scenario=ground).opponents == OPPONENTS
 
 
 def test_a_study_of_which_nothing_was_completed_is_no_success(
