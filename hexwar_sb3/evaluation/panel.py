@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
@@ -186,10 +187,23 @@ def play_panel(
     """
     cells = [(opponent, camp) for opponent in opponents for camp in terms.camps]
     played: dict[Cell, CampResult] = {}
-    with ThreadPoolExecutor(threads) as pool:
-        results = pool.map(lambda cell: terms.play_as(cell[1], player, cell[0]), cells)
+    with _side_by_side(threads) as each:
+        results = each(lambda cell: terms.play_as(cell[1], player, cell[0]), cells)
         for cell, result in zip(cells, results, strict=True):
             played[cell] = result
             if progress is not None:
                 progress(result.games)
     return Panel(name, played)
+
+
+@contextmanager
+def _side_by_side(threads: int) -> Iterator[Callable[..., Iterable[CampResult]]]:
+    """`map` in so many threads; if the block ends early, by Ctrl-C for example, what has not begun never does."""
+    if threads == 1:
+        yield map
+        return
+    pool = ThreadPoolExecutor(threads)
+    try:
+        yield pool.map
+    finally:
+        pool.shutdown(cancel_futures=True)

@@ -6,6 +6,7 @@ import pytest
 from hexwar_sb3.errors import ConfigError, UnknownNameError
 from hexwar_sb3.evaluation.matches import play_match, player_name
 from hexwar_sb3.evaluation.panel import Terms, play_panel
+from hexwar_sb3.evaluation.results import CampResult
 from hexwar_sb3.evaluation.seeds import Purpose
 
 
@@ -64,6 +65,24 @@ def test_a_panel_has_a_cell_for_each_opponent_and_camp() -> None:
     ]
     assert panel.total.games == 8
     assert panel.against("random").games == 4
+
+
+@pytest.mark.parametrize("threads", [1, 2])
+def test_what_has_not_begun_when_the_user_stops_is_never_played(threads: int) -> None:
+    begun = []
+
+    class Counted(Terms):
+        def play_as(self, camp: str, player: object, opponent: object) -> CampResult:
+            begun.append(camp)
+            return super().play_as(camp, player, opponent)
+
+    def stop(_: int) -> None:
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        play_panel("nearest", ["MA1"] * 20, Counted(games=8), name="nearest", threads=threads, progress=stop)
+
+    assert threads <= len(begun) < 20
 
 
 def test_two_threads_play_the_games_of_one() -> None:
