@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from concurrent.futures import Future
 from dataclasses import dataclass
 
 import torch
 from jaxtyping import Float, Int
+from stable_baselines3.common.utils import polyak_update
 from torch import Tensor, nn
 
 from hexwar_sb3.algorithms.beside import Here
@@ -116,14 +116,6 @@ class TDLearner:
             )
         policy.optimizer.step()
         if number % self.target_interval == 0:
-            follow(policy.targets, policy.trained, self.tau)
+            polyak_update(policy.trained, policy.targets, self.tau)
         share = max(self.ema_tau, TENTH / (number + TENTH))
-        follow(policy.agent_mean.parameters(), policy.agent.parameters(), share)
-
-
-@torch.no_grad()
-def follow(behind: Iterable[Tensor], ahead: Iterable[Tensor], share: float) -> None:
-    """Move some tensors by a share of the way to others: SB3's `polyak_update`, all of them in two calls."""
-    moved = tuple(behind)
-    torch._foreach_mul_(moved, 1.0 - share)
-    torch._foreach_add_(moved, tuple(ahead), alpha=share)
+        polyak_update(policy.agent.parameters(), policy.agent_mean.parameters(), share)
