@@ -9,15 +9,13 @@ from typing import TYPE_CHECKING, Any
 from hexwar_sb3.bots.registry import BOTS as BOTS_BY_NAME
 from hexwar_sb3.commands.output import as_json, games_bar, panel_table, table
 from hexwar_sb3.commands.run_folder import RunFolder, write_text
-from hexwar_sb3.engine.world import load_world
 from hexwar_sb3.evaluation.intervals import Estimate, paired_interval
+from hexwar_sb3.evaluation.opponents import broad_mixture, with_weights
 from hexwar_sb3.evaluation.panel import BOTS, CONSTANT_PLANS, Panel, Terms, play_panel
 from hexwar_sb3.evaluation.provenance import provenance
 from hexwar_sb3.league.cost import peak_mb
-from hexwar_sb3.play.fit import why_unfit
 from hexwar_sb3.play.frozen import FrozenPolicy
-from hexwar_sb3.play.player import POLICIES, make_player, seat_name
-from hexwar_sb3.rules.enums import Camp
+from hexwar_sb3.play.player import POLICIES, seat_name
 
 if TYPE_CHECKING:
     from stable_baselines3.common.vec_env import VecEnv
@@ -89,13 +87,7 @@ def write_page(
 
 def others_on(scenario: str) -> tuple[str, ...]:
     """Further players that can play a map, scripted and learned."""
-    world = load_world(scenario)
-    fitting = [
-        name
-        for name in POLICIES
-        if not any(why_unfit(make_player(name), world, camp) for camp in (Camp.RED, Camp.BLUE))
-    ]
-    return (*OTHERS, *fitting)
+    return (*OTHERS, *(name for name in with_weights(broad_mixture(scenario)) if name in POLICIES))
 
 
 def met_by(env: VecEnv) -> list[dict[str, Any]]:

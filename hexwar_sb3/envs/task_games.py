@@ -249,9 +249,8 @@ class TaskGames:
                 self.arena.sit(int(b), camp, seat)
             self._lead(int(b))
         self.arena.restore(snapshot)
-        self.arena.lead_outside(
-            self.all, np.zeros(len(self.all), np.uint32)
-        )  # as the lower levels here have it
+        # As the lower levels here have it.
+        self.arena.lead_outside(self.all, np.zeros(len(self.all), np.uint32))
         return self.look(self.all)
 
     def check(

@@ -19,10 +19,15 @@ SETTINGS = 24  # of each rival
 HEADS = ("run", "win rate, %", "mean margin", "points held", "settings")
 Space = Mapping[str, tuple[tuple[str, ...], ...]]
 
-DQN_SPACE: Space = {
+BOTH: Space = {
     "--learning-rate": (("1e-4",), ("3e-4",), ("1e-3",)),
     "--net-arch": (("64", "64"), ("256", "256"), ("256", "128", "64")),
     "--batch-size": (("64",), ("256",)),
+    "--reward": (("net",), ("paper",)),
+    "--gamma": (("0.99",), ("0.95",)),
+}
+DQN_SPACE: Space = {
+    **BOTH,
     "--gradient-steps": (("1",), ("2",)),
     "--n-steps": (("1",), ("7",), ("28",), ("84",)),  # turns: up to twelve decisions
     "--target-update-turns": (("3200",), ("16000",)),
@@ -30,19 +35,13 @@ DQN_SPACE: Space = {
     "--exploration-final-eps": (("0.005",), ("0.05",)),
     "--demo-share": (("0.0",), ("0.25",), ("0.5",)),
     "--demo-games": (("500",), ("2000",)),
-    "--reward": (("net",), ("paper",)),
-    "--gamma": (("0.99",), ("0.95",)),
 }
 PPO_SPACE: Space = {
-    "--learning-rate": (("1e-4",), ("3e-4",), ("1e-3",)),
-    "--net-arch": (("64", "64"), ("256", "256"), ("256", "128", "64")),
+    **BOTH,
     "--n-steps": (("24",), ("96",), ("192",)),  # decisions of each game: one game, four, eight
-    "--batch-size": (("64",), ("256",)),
     "--n-epochs": (("4",), ("10",)),
     "--ent-coef": (("0.0",), ("0.003",), ("0.01",)),
     "--gae-lambda": (("0.8",), ("0.95",)),
-    "--reward": (("net",), ("paper",)),
-    "--gamma": (("0.99",), ("0.95",)),
 }
 RIVALS = {"dqn": (RIVAL_DQN, DQN_SPACE), "ppo": (TASK_PPO, PPO_SPACE)}
 
