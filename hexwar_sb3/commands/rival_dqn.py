@@ -1,7 +1,6 @@
 """`python -m hexwar_sb3.commands.rival_dqn`: the flat DQN of Fig. 7 with all that the hierarchy has.
 
-Masked values, exploration that sticks, demonstrations and n-step returns; its settings are the best of a search
-(`hexwar experiments rivals`).
+Masked values, exploration that sticks, demonstrations and n-step returns; `hexwar experiments rivals` compares settings.
 """
 
 from __future__ import annotations

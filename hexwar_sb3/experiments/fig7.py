@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 NAME, GAMES, FINAL_GAMES = "fig7", 10_000, 2_000
 SEEDS = (0, 1, 2)
 SCENARIOS = ("plain", "hills", "paddy")  # the first with all seeds, the others with the first seed
-METHODS = {"hrl": "HRL", "rival": "DQN, searched", "dqn": "DQN, the paper's", "ppo": "MaskablePPO, searched"}
+METHODS = {"hrl": "HRL", "rival": "DQN, HRL's means", "dqn": "DQN, the paper's", "ppo": "MaskablePPO"}
 RIVALS = {"rival": RIVAL_DQN, "dqn": FLAT_DQN, "ppo": TASK_PPO}
 QUANTITIES = (("win_rate", "win rate"), ("mean_margin", "mean margin, points"))
 
