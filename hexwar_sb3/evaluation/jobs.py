@@ -8,6 +8,7 @@ import signal
 import warnings
 from collections.abc import Callable, Sequence
 from threading import current_thread, main_thread
+from time import monotonic, process_time
 from typing import TypeVar, cast
 
 from joblib import Parallel, delayed
@@ -18,6 +19,12 @@ from hexwar_sb3.processes import end_with, keep_memory
 
 Spec = TypeVar("Spec")
 Made = TypeVar("Made")
+_elsewhere: list[float] = []  # core seconds of calls that other processes have ended for this one
+
+
+def core_seconds() -> float:
+    """Processor time so far of this process and of the calls of `run_jobs` that others have ended for it."""
+    return process_time() + sum(_elsewhere)
 
 
 def run_jobs(function: Callable[[Spec], Made], specs: Sequence[Spec], jobs: int, what: str) -> list[Made]:
@@ -35,16 +42,25 @@ def run_jobs(function: Callable[[Spec], Made], specs: Sequence[Spec], jobs: int,
         What the calls return, in the order of the specs.
     """
     shown = tqdm(specs, unit=what, dynamic_ncols=True, leave=False, disable=None)
+    workers, start = min(jobs, max(1, len(specs))), monotonic()  # loky would start all of them
     with warnings.catch_warnings():
         # Maps that a game reads into memory look like a leak, and loky starts another worker: nothing is lost.
         warnings.filterwarnings("ignore", "A worker stopped while some jobs", UserWarning)
-        parallel = Parallel(n_jobs=min(jobs, max(1, len(specs))))  # loky would start all of them
-        made = parallel(delayed(_call)(function, spec, os.getpid(), held()) for spec in shown)
-    return cast("list[Made]", made)
+        try:
+            calls = Parallel(n_jobs=workers)(
+                delayed(_call)(function, spec, os.getpid(), held()) for spec in shown
+            )
+        except BaseException:  # what had ended counts too: as if all were busy until now
+            _elsewhere.append((monotonic() - start) * workers if workers > 1 else 0.0)
+            raise
+    _elsewhere.extend(seconds for _, seconds in calls)
+    return cast("list[Made]", [made for made, _ in calls])
 
 
-def _call(function: Callable[[Spec], Made], spec: Spec, waiting: int, folders: Held) -> Made:
-    """Call it; in a process of its own Ctrl-C ends it without a word: the process that waits says what is to be said.
+def _call(function: Callable[[Spec], Made], spec: Spec, waiting: int, folders: Held) -> tuple[Made, float]:
+    """Call it: what it returns, and core seconds if this is another process than the one that waits.
+
+    In a process of its own Ctrl-C ends it without a word: the process that waits says what is to be said.
 
     A process of this machine's ends with the one that waits, and makes no folder anew that this one holds.
     """
@@ -55,4 +71,5 @@ def _call(function: Callable[[Spec], Made], spec: Spec, waiting: int, folders: H
         work_within(folders)
     if os.getpid() != waiting and current_thread() is main_thread():
         signal.signal(signal.SIGINT, signal.SIG_DFL)
-    return function(spec)
+    start = process_time()
+    return function(spec), process_time() - start if os.getpid() != waiting else 0.0

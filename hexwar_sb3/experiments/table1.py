@@ -95,12 +95,12 @@ class Table1:
         say("CAI: distillation, and learning on")
         missing = [spec for spec in self.combined(league) if not self.policy("CAI", spec.side).is_dir()]
         if missing:
-            with measured(self.kept, "CAI", self.jobs):
+            with measured(self.kept, "CAI"):
                 run_jobs(make_cai, missing, self.jobs, "CAI")
         self._keep_policies(league)
         if not (self.kept / "league.png").exists():
             say("matches of the best of each iteration")
-            with measured(self.kept, "progress", self.jobs):
+            with measured(self.kept, "progress"):
                 draw_league(league, self.progress(league), self.kept / "league.png")
         league.keep(self.kept / "league", models=False)
         say("matches of the table")
@@ -228,7 +228,7 @@ class Table1:
         reds, blues = (self.players(camp) for camp in CAMPS)
         folder, meetings = self.kept / "matches", self.meetings()
         is_whole = all((folder / meeting.file).exists() for meeting in meetings)
-        with nullcontext() if is_whole else measured(self.kept, "matches", self.jobs):
+        with nullcontext() if is_whole else measured(self.kept, "matches"):
             return play_meetings(meetings, reds, blues, self.terms, folder, jobs=self.jobs)
 
     def costs(self) -> Cost:

@@ -7,9 +7,10 @@ import sys
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from time import monotonic, process_time
+from time import monotonic
 
 from hexwar_sb3.errors import FileFormatError
+from hexwar_sb3.evaluation.jobs import core_seconds
 from hexwar_sb3.files import write_json
 from hexwar_sb3.kinds import fits
 from hexwar_sb3.reading import read_json
@@ -19,21 +20,20 @@ Cost = dict[str, dict[str, float]]  # by part: wall_s, core_s, peak_mb (of the l
 
 
 @contextmanager
-def measured(folder: Path, part: str, jobs: int = 1) -> Iterator[None]:
+def measured(folder: Path, part: str) -> Iterator[None]:
     """Add wall and core time of the block to a part in the folder's file.
+
+    Core time is that of this process and of its jobs in others.
 
     Args:
         folder: gets the file.
         part: name of what the block does.
-        jobs: processes that it runs side by side: each counts as a core for all of its wall time. With one, core time
-            is this process's.
     """
-    wall, core = monotonic(), process_time()
+    wall, core = monotonic(), core_seconds()
     try:
         yield
     finally:
-        passed = monotonic() - wall
-        spent = {"wall_s": passed, "core_s": passed * jobs if jobs > 1 else process_time() - core}
+        spent = {"wall_s": monotonic() - wall, "core_s": core_seconds() - core}
         found = read_cost(folder)
         before = found.get(part, {})
         found[part] = {key: round(value + before.get(key, 0.0), 1) for key, value in spent.items()}

@@ -257,9 +257,9 @@ class League:
                 after(k)
 
     def _iterate(self, k: int, jobs: int) -> None:
-        with measured(self.iteration(k), "groups", jobs):
+        with measured(self.iteration(k), "groups"):
             self._train_groups(k, jobs)
-        with measured(self.iteration(k), "round robin", jobs):
+        with measured(self.iteration(k), "round robin"):
             self._select(k, jobs)
 
     def _rank_starters(self, jobs: int) -> None:
