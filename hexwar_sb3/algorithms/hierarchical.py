@@ -38,7 +38,7 @@ from hexwar_sb3.checks import check_whole
 from hexwar_sb3.engine.fields import check_names
 from hexwar_sb3.envs.registration import ROUTE_ENV, make_vec_env
 from hexwar_sb3.envs.route_settings import RouteSettings, route_settings
-from hexwar_sb3.envs.route_vec_env import route_spaces
+from hexwar_sb3.envs.route_vec_env import RouteVecEnv, route_spaces
 from hexwar_sb3.envs.settings import TaskSettings
 from hexwar_sb3.envs.snapshots import placed
 from hexwar_sb3.errors import CheckpointError, ConfigError
@@ -64,7 +64,7 @@ LOWER_DEFAULTS: dict[str, Any] = {
 """Arguments of `MaskedDQN` for the route env that differ from its own defaults."""
 
 PLAIN_GAMMA = 0.98  # where the reward has no potential, a far goal must be worth something from the start
-LOWER_ENVS = 192  # games of the route env side by side, over its maps: many, for a map's step costs Python
+LOWER_ENVS = 384  # games of the route env side by side, over its maps: many, for a map's step costs Python
 TEST_ROUTES = 50  # of each piece, to see whether the lower level may lead
 SHARED_SETTINGS = (
     *("scenario", "side", "opponent", "reward"),
@@ -231,6 +231,8 @@ class HierarchicalQMIX(QMIX):
         """
         env = self._route_env()
         env.env_method("set_upper", self.policy.freeze())
+        if isinstance(env.unwrapped, RouteVecEnv):
+            env.unwrapped.beside = self.beside
         step = env.num_envs * self.lower.update_every
         while self.lower_is_due:
             self.lower.learn(step, callback=_LowerPhase(self, callback), reset_num_timesteps=False)

@@ -101,6 +101,7 @@ PRESETS = {
             "final_learning_rate": 5e-5,
             "batch_size": 64,
             "gradient_steps": 2,  # more and smaller updates
+            "buffer_size": 100_000,  # four thousand games: rare opponents are not forgotten; 0.9 GB
             "exploration_final_eps": 0.005,  # of seven pieces, each for five decisions on average
             "squad_initial_share": 0.3,
             "squad_final_share": 0.03,

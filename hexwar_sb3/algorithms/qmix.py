@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from concurrent.futures import Executor
+from collections.abc import Iterator, Mapping
+from concurrent.futures import Executor, Future
 from dataclasses import asdict
 from typing import Any, ClassVar
 
@@ -17,6 +17,7 @@ from stable_baselines3.common.noise import ActionNoise
 from stable_baselines3.common.policies import BasePolicy
 from stable_baselines3.common.type_aliases import GymEnv, MaybeCallback, Schedule
 from stable_baselines3.common.utils import LinearSchedule
+from torch import Tensor
 
 from hexwar_sb3.algorithms.beside import Here
 from hexwar_sb3.algorithms.exploration import NO_TASK, Explorer, checked_masks, epsilon_at, random_tasks
@@ -451,30 +452,45 @@ class QMIX(TaskModel):
     def train(self, gradient_steps: int, batch_size: int = 128) -> None:
         """Make the updates that are due since the last call."""
         due = self._periods_due() * gradient_steps
-        if due:
-            self._update_learning_rate(self.policy.optimizer)
-        for _ in range(due):
-            loss, q_total = self.update(batch_size)
+        if not due:
+            return
+        self._update_learning_rate(self.policy.optimizer)
+        for loss, q_total in self.updates(due, batch_size):
             self._log_update(loss, q_total)
 
-    def update(self, batch_size: int) -> tuple[float, float]:
-        """Make one update; gives the loss and the mean joint value, in scaled points."""
-        self.policy.optimizer.zero_grad()
-        for size in chunk_sizes(batch_size, self.chunk_size):
-            batch = self._sample(size)
+    def updates(self, count: int, batch_size: int) -> Iterator[tuple[float, float]]:
+        """Make updates; gives the loss and the mean joint value of each, in scaled points."""
+        sizes = chunk_sizes(batch_size, self.chunk_size)
+        drawn = self._draw(sizes * count)
+        for _ in range(count):
+            self.policy.optimizer.zero_grad()
+            for size in sizes:
+                loss, q_total = self._loss(*next(drawn))
+                if loss.requires_grad:  # not where a mixer without weights is refitted
+                    (loss * (size / batch_size)).backward()  # type: ignore[no-untyped-call]
+            self._n_updates += 1
+            self.learner.step(self._n_updates)
+            yield loss.item(), q_total.mean().item()
+
+    def _draw(self, sizes: list[int]) -> Iterator[tuple[Batch, Future[Tensor]]]:
+        """Batches of these sizes with what is best after each; the next is drawn while the last is learned from."""
+        upcoming = self.beside.submit(self._sample, sizes[0])
+        for size in [*sizes[1:], None]:
+            batch = upcoming.result()
             best = self.beside.submit(self.learner.best_tasks, batch.then)
-            q_total = self.learner.q_total(batch)
-            reward, next_value = batch.reward / self.reward_scale, self.learner.value_of(batch.then, best)
-            if self.td_lambda is None:
-                target = qmix_target(reward, batch.terminated, next_value, batch.discount)
-            else:
-                target = self.learner.lambda_target(batch, reward, next_value)
-            loss = self.learner.mean_loss(batch, q_total, target)
-            if loss.requires_grad:  # not where a mixer without weights is refitted
-                (loss * (size / batch_size)).backward()  # type: ignore[no-untyped-call]
-        self._n_updates += 1
-        self.learner.step(self._n_updates)
-        return loss.item(), q_total.mean().item()
+            if size is not None:
+                upcoming = self.beside.submit(self._sample, size)
+            yield batch, best
+
+    def _loss(self, batch: Batch, best: Future[Tensor]) -> tuple[Tensor, Tensor]:
+        """Loss and joint value of a batch, in scaled points."""
+        q_total = self.learner.q_total(batch)
+        reward, next_value = batch.reward / self.reward_scale, self.learner.value_of(batch.then, best)
+        if self.td_lambda is None:
+            target = qmix_target(reward, batch.terminated, next_value, batch.discount)
+        else:
+            target = self.learner.lambda_target(batch, reward, next_value)
+        return self.learner.mean_loss(batch, q_total, target), q_total
 
     def _log_update(self, loss: float, q_total: float) -> None:
         self.logger.record("train/n_updates", self._n_updates, exclude="tensorboard")

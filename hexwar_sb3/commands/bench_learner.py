@@ -62,5 +62,5 @@ def kept_mb(model: QMIX) -> float:
         return tensor
 
     with torch.autograd.graph.saved_tensors_hooks(keep, lambda tensor: tensor):
-        model.update(model.batch_size)
+        next(model.updates(1, model.batch_size))
     return sum(tensor.untyped_storage().nbytes() for tensor in kept.values()) / 1e6

@@ -113,7 +113,7 @@ class Train:
 
     eval_freq: int = 24_000  # env steps between two evaluations
     eval_games: int = 16  # games an opponent and colour in each of them
-    save_freq: int = 48_000  # env steps of both levels between two checkpoints
+    save_freq: int = 120_000  # env steps of both levels between two checkpoints
     final_games: int = 500  # games an opponent and colour on the page at the end
     constant_plans: ConstantPlans = True
 

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Any, TypeAlias
+from collections.abc import Callable, Iterable, Sequence
+from concurrent.futures import Executor, wait
+from typing import Any, TypeAlias, TypeVar
 
 import numpy as np
 from gymnasium import spaces
@@ -24,6 +25,7 @@ from hexwar_sb3.tasks.features import BOUND, ROUTE_WIDTH
 from hexwar_sb3.tasks.route import N_ANSWERS
 
 Obs: TypeAlias = dict[str, NDArray[Any]]
+T = TypeVar("T")
 
 
 def route_spaces() -> tuple[spaces.Dict, spaces.Discrete]:
@@ -44,6 +46,8 @@ class RouteVecEnv(NativeVecEnv):
         seed: of the games; None draws one.
     """
 
+    beside: Executor | None = None  # plays the games of half of the scenarios, with the same bits
+
     def __init__(self, n_envs: int, settings: RouteSettings, seed: int | None = None) -> None:
         check_whole("n_envs", n_envs, least=len(settings.fields))
         self.settings, self.first_seed = settings, chosen_seed(seed)
@@ -58,33 +62,35 @@ class RouteVecEnv(NativeVecEnv):
 
     def reset(self) -> Obs:
         """Start new games in every slot."""
-        for games in self.fields:
-            games.begin(games.all)
-        return self._look()
+        return self._obs(self._each(_begin, self.fields))
 
     def step_wait(self) -> VecEnvStepReturn:
         """Give every focal piece its answer, and play until it asks again or its route is over."""
         answers = check_actions(self._actions, (self.num_envs,), axes="")
-        hops = [games.play(answers[part]) for games, part in zip(self.fields, self._slices, strict=True)]
-        waited = [games.next_route(games.all[hop.over]) for games, hop in zip(self.fields, hops, strict=True)]
-        infos = [
-            _info(hop, b, int(wait[b]))
-            for hop, wait in zip(hops, waited, strict=True)
-            for b in range(len(wait))
-        ]
+        played = self._each(_step, self.fields, [answers[part] for part in self._slices])
+        hops = [hop for hop, _, _ in played]
+        infos = [_info(hop, b, int(ticks[b])) for hop, ticks, _ in played for b in range(len(ticks))]
         rewards, dones = (
             np.concatenate([hop.reward for hop in hops]),
             np.concatenate([hop.over for hop in hops]),
         )
-        return self._look(), rewards, dones, infos
+        return self._obs([seen for _, _, seen in played]), rewards, dones, infos
 
-    def _look(self) -> Obs:
-        for games in self.fields:
-            games.look()
-        return {
-            "obs": np.concatenate([games.state for games in self.fields]),
-            "action_mask": np.concatenate([games.mask for games in self.fields]),
-        }
+    def _each(self, function: Callable[..., T], *columns: Sequence[Any]) -> list[T]:
+        """Call a function once a scenario: `map`, by two threads where there is a second core."""
+        if self.beside is None:
+            return list(map(function, *columns))
+        half = len(self.fields) // 2
+        others = self.beside.submit(list, map(function, *(column[half:] for column in columns)))
+        try:
+            own = list(map(function, *(column[:half] for column in columns)))
+        finally:
+            wait([others])
+        return own + others.result()
+
+    def _obs(self, seen: Iterable[tuple[NDArray[Any], NDArray[Any]]]) -> Obs:
+        states, masks = zip(*seen, strict=True)
+        return {"obs": np.concatenate(states), "action_mask": np.concatenate(masks)}
 
     def action_masks(self) -> NDArray[np.bool_]:
         """Valid answers of every game [n, 7] (sb3-contrib)."""
@@ -134,7 +140,26 @@ class RouteVecEnv(NativeVecEnv):
                 games.check(part)
         for games, part in zip(self.fields, parts, strict=True):
             games.restore(part)
-        return self._look()
+        return self._obs(map(_look, self.fields))
+
+
+def _look(games: RouteGames) -> tuple[NDArray[Any], NDArray[Any]]:
+    games.look()
+    return games.state, games.mask
+
+
+def _begin(games: RouteGames) -> tuple[NDArray[Any], NDArray[Any]]:
+    games.begin(games.all)
+    return _look(games)
+
+
+def _step(
+    games: RouteGames, answers: NDArray[Any]
+) -> tuple[Hop, NDArray[np.int64], tuple[NDArray[Any], NDArray[Any]]]:
+    """The hop of every focal piece, ticks until the next route, and what is asked there."""
+    hop = games.play(answers)
+    waited = games.next_route(games.all[hop.over])
+    return hop, waited, _look(games)
 
 
 def _info(hop: Hop, b: int, waited: int) -> dict[str, Any]:

@@ -229,7 +229,7 @@ def test_a_loss_that_is_not_finite_stops_before_the_weights_are_touched(make_mod
     model.replay_buffer.reward[:] = np.nan
 
     with pytest.raises(TrainingError, match="the weights are those before it"):
-        model.update(16)
+        next(model.updates(1, 16))
 
     assert torch.equal(weights(model), before)
 

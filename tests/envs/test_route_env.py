@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from stable_baselines3.common.env_checker import check_env as check_sb3
 from stable_baselines3.common.env_util import make_vec_env as make_stock_vec_env
 
+from hexwar_sb3.algorithms.beside import executor
 from hexwar_sb3.envs.registration import ROUTE_ENV, make_vec_env
 from hexwar_sb3.envs.route_env import RouteEnv
 from hexwar_sb3.envs.route_games import RouteGames
@@ -733,3 +734,27 @@ def test_an_upper_level_that_sends_nobody_anywhere_is_not_waited_for_without_end
         obs, *_ = env.step(heuristic(obs))  # type: ignore[assignment]
 
     assert env.fields[0].tasks.episodes.max() > 1
+
+
+def test_two_threads_play_the_same_games_as_one() -> None:
+    envs = [make(6, scenario=("plain", "hills", "paddy"), opponent="MA1") for _ in range(2)]
+    envs[1].beside = executor(2)
+    one, two = (env.reset() for env in envs)
+
+    for step in range(30):
+        np.testing.assert_equal(two, one)
+        answers = pick(one, step)
+        told, also_told = (env.step(answers) for env in envs)
+        np.testing.assert_equal(also_told[1:], told[1:])
+        one, two = cast("Obs", told[0]), cast("Obs", also_told[0])
+
+
+def test_what_fails_in_either_thread_is_raised(monkeypatch: pytest.MonkeyPatch) -> None:
+    env = make(2, scenario=("plain", "hills"))
+    env.beside = executor(2)
+    observation = env.reset()
+    for games in env.fields:
+        with monkeypatch.context() as patched:
+            patched.setattr(games, "play", lambda _: 1 / 0)
+            with pytest.raises(ZeroDivisionError):
+                env.step(pick(observation, 0))

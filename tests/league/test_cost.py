@@ -6,6 +6,7 @@ import subprocess
 import sys
 from pathlib import Path
 from time import process_time, sleep
+from typing import Any
 
 import pytest
 
@@ -57,8 +58,9 @@ def test_memory_is_that_of_the_largest_process() -> None:
 
 def test_what_breaks_off_has_cost_all_the_same(tmp_path: Path) -> None:
     def broken_off() -> None:
+        summands: list[Any] = [NUMBERS, "broken"]
         with measured(tmp_path, "groups"):
-            run_jobs(sum, [NUMBERS, "broken"], 2, "sum")
+            run_jobs(sum, summands, 2, "sum")
 
     with pytest.raises(TypeError):
         broken_off()
