@@ -165,7 +165,7 @@ class QMIX(TaskModel):
     state: ClassVar[Table] = {**COUNTERS, "_periods_trained": COUNTER}
     attributes: ClassVar[Mapping[str, str]] = {**TaskModel.attributes, "train_freq": "update_every"}
     places: ClassVar[tuple[str, ...]] = (*TaskModel.places, "mixer")
-    _mixer_alone = False  # while it alone learns
+    _learns = "all"  # or "mixer" alone, or "nothing"
     # Who computes a part of each update; `executor(2)`: another core, with the same bits.
     beside: Executor = Here()
 
@@ -330,7 +330,9 @@ class QMIX(TaskModel):
             self._periods_trained = 0
         if reset_num_timesteps or self._last_obs is None:
             self._begin_games()
-        self.policy.agent.requires_grad_(not self._mixer_alone)  # a refit that was interrupted left it frozen
+        self.policy.agent.requires_grad_(
+            self._learns != "mixer"
+        )  # a refit that was interrupted left it frozen
         steps, callbacks = super()._setup_learn(
             total_timesteps, callback, reset_num_timesteps, tb_log_name, progress_bar
         )
@@ -442,17 +444,28 @@ class QMIX(TaskModel):
         Args:
             total_timesteps: env steps; they count as any others.
         """
-        self._mixer_alone = True
+        self._learn_with("mixer", total_timesteps)
+
+    def fill_replay(self, total_timesteps: int) -> None:
+        """Play for some env steps and learn nothing, so that a model that goes on does not learn from a few games alone.
+
+        Args:
+            total_timesteps: env steps; they count as any others.
+        """
+        self._learn_with("nothing", total_timesteps)
+
+    def _learn_with(self, part: str, total_timesteps: int) -> None:
+        self._learns = part
         try:
             self.learn(total_timesteps, reset_num_timesteps=False)
         finally:
-            self._mixer_alone = False
+            self._learns = "all"
             self.policy.agent.requires_grad_(True)
 
     def train(self, gradient_steps: int, batch_size: int = 128) -> None:
         """Make the updates that are due since the last call."""
         due = self._periods_due() * gradient_steps
-        if not due:
+        if not due or self._learns == "nothing":
             return
         self._update_learning_rate(self.policy.optimizer)
         for loss, q_total in self.updates(due, batch_size):

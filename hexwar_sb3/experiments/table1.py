@@ -6,10 +6,11 @@ Stages leave files and are skipped where these are: warm-ups (those of figure 7)
 from __future__ import annotations
 
 import shutil
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import ExitStack, nullcontext
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import Any
 
 from hexwar_sb3.evaluation.intervals import Estimate
 from hexwar_sb3.evaluation.jobs import run_jobs
@@ -37,6 +38,7 @@ PLAYERS = ("nearest", "defender", "all-main", "half-half", "two-hold", "drawn-un
 PROGRESS = (*BOTS, "two-hold", "drawn-unseen")  # against whom the best of each iteration is measured
 COLUMNS = (*BOTS, "HRL0", "HRL1", *PLAYERS)
 WARM_UPS = 10_000  # games
+CAI_LEARNER = {"learning_rate": 4e-4, "exploration_initial_eps": 0.1, "squad_initial_share": 0.2}
 Say = Callable[[str], object]
 
 
@@ -48,7 +50,9 @@ class Table1:
     seeds: tuple[int, ...] = (0, 1, 2, 3)  # of the warm-ups
     settings: LeagueSettings = field(default_factory=LeagueSettings)
     lessons: Lessons = field(default_factory=lambda: Lessons(games=800, updates=4_000))
-    cai_games: int = 12_000  # that CAI learns from after it was distilled
+    cai_games: int = 30_000  # that CAI learns from after it was distilled
+    # of CAI, where they differ from the league's: a longer training may change more
+    cai_learner: Mapping[str, Any] = field(default_factory=lambda: dict(CAI_LEARNER))
     games: int = 2_000  # a cell
     progress_games: int = 400  # a colour and opponent, for each point of the league's picture
     jobs: int = 1  # side by side
@@ -150,11 +154,12 @@ class Table1:
                     lessons=self.lessons,
                     opponents=list(weights.items()),
                     games=self.cai_games,
+                    fill_games=settings.fill_games,
                     refit_games=settings.refit_games,
                     seed=(settings.seed, settings.iterations + 1, CAMPS.index(camp)),
                     folder=self.work / "cai" / side,
                     env=league.env(),
-                    learner=league.learner(self.cai_games),
+                    learner={**league.learner(self.cai_games), **self.cai_learner},
                     about=league.terms(0, 1).about(),
                 )
             )

@@ -11,7 +11,7 @@ from hexwar_sb3.folders import making
 from hexwar_sb3.league.cost import measured
 from hexwar_sb3.league.distil import Lessons, distill
 from hexwar_sb3.league.member import Member, as_member, leave
-from hexwar_sb3.league.work import Opponents, Training, env_steps, job_seed, one_thread
+from hexwar_sb3.league.work import Opponents, Training, go_on, job_seed, one_thread
 
 DISTILLED, LEARNED = "distilled", "learned"  # folders of the two stages
 
@@ -24,8 +24,6 @@ class CaiSpec(Training):
     teachers: tuple[Member, ...]
     lessons: Lessons
     opponents: Opponents  # of the teachers' games, and of its own
-    games: int  # that it learns from by itself
-    refit_games: int  # before them, in which the mixer alone learns
 
 
 def make_cai(spec: CaiSpec) -> None:
@@ -47,6 +45,5 @@ def make_cai(spec: CaiSpec) -> None:
         student = QMIX("TaskPolicy", games, seed=seed, **spec.learner)
         distill(teachers, student, env, spec.lessons, seed)
         as_member(student, **about).save(made / DISTILLED)
-        student.refit_mixer(env_steps(spec.env, spec.refit_games))
-        student.learn(env_steps(spec.env, spec.games))
+        go_on(student, spec)
         leave(student, made / LEARNED, **about)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from hexwar_sb3.folders import making
 from hexwar_sb3.league.cost import measured
 from hexwar_sb3.league.member import BOTH, CAMPS, Member, leave
-from hexwar_sb3.league.work import Opponents, Training, begin, env_steps, job_seed, one_thread
+from hexwar_sb3.league.work import Opponents, Training, begin, go_on, job_seed, one_thread
 
 PAIRS = (CAMPS, CAMPS[::-1])  # who learns, and who is met
 
@@ -24,8 +24,6 @@ class GroupSpec(Training):
     others: Mapping[str, Opponents]  # by camp: whom the model of that camp meets beside its partner
     partner_share: float  # of the weights, for the partner
     split: bool  # each camp has a model of its own
-    games: int  # that a model learns from
-    refit_games: int  # in which the mixer alone learns, if the model has none
 
 
 def train_group(spec: GroupSpec) -> None:
@@ -47,9 +45,7 @@ def train_group(spec: GroupSpec) -> None:
             opponents = with_partner(members[other], spec.partner_share, spec.others[camp])
             env = {**spec.env, "side": side, "opponent": opponents}
             model = begin(members[camp], env, spec.learner, job_seed(*spec.seed, CAMPS.index(camp)))
-            if not members[camp].networks.is_file():
-                model.refit_mixer(env_steps(spec.env, spec.refit_games))
-            model.learn(env_steps(spec.env, spec.games))
+            go_on(model, spec)
             leave(model, made / side, side=side, **spec.about)
             members[camp] = Member(camp, members[camp].name, made / side)
 

@@ -290,6 +290,7 @@ class League:
                 partner_share=settings.partner_share,
                 split=settings.split,
                 games=settings.games,
+                fill_games=settings.fill_games,
                 refit_games=settings.refit_games,
                 seed=(settings.seed, k, i, j),
                 folder=self.group(k, group_name(k, i, j)),

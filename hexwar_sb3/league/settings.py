@@ -15,11 +15,12 @@ from hexwar_sb3.errors import ConfigError, UnknownNameError
 from hexwar_sb3.evaluation.opponents import OPPONENTS, with_weights
 
 LEARNER: dict[str, Any] = {
-    "learning_rate": 5e-4,
-    "final_learning_rate": 5e-5,
+    "learning_rate": 2e-4,
+    "final_learning_rate": 3e-5,
     "learning_starts": 0,  # before it all pieces would play at random
     "batch_size": 64,
     "gradient_steps": 2,
+    "buffer_size": 100_000,
     "tau": 0.005,
     "exploration_initial_eps": 0.05,
     "exploration_final_eps": 0.005,
@@ -49,6 +50,7 @@ RANGES = {
     "iterations": (0, 1_000),
     "keep": (1, 16),
     "games": (1, 1_000_000),
+    "fill_games": (0, 100_000),
     "refit_games": (0, 100_000),
     "match_games": (1, 100_000),
     "warm_up_games": (1, 100_000),
@@ -67,12 +69,13 @@ class LeagueSettings:
     keep: int = 4  # models of each colour that an iteration keeps; keep * keep groups train
     split: bool = False  # red and blue models of their own, as in the paper; else each plays both camps
     games: int = 1_200  # that each model of a group learns from
-    partner_share: float = 0.2  # of the weights, for the partner of the group
-    past_share: float = 0.3  # for the best of the iterations before
+    partner_share: float = 0.1  # of the weights, for the partner of the group
+    past_share: float = 0.1  # for the best of the iterations before; priorities double both
     bots: tuple[str, ...] = OPPONENTS  # for them the rest, NAME or NAME=WEIGHT
     worst_share: float = 0.5  # of a model's score that selects: the bot that it does worst against
     priority: float = 1.0  # exponent by which those who beat the model are met more often
-    refit_games: int = 50  # in which the mixer alone learns, of models that come without one
+    fill_games: int = 350  # at first, from which nothing learns: they fill its replay
+    refit_games: int = 150  # after them, in which the mixer alone learns
     match_games: int = 40  # of each pairing in the round robin that selects
     warm_up_games: int = 400  # against each of MA1 and MA2, to choose the first models
     scenario: str = "plain"

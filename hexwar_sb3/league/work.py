@@ -28,6 +28,9 @@ class Training:
     seed: tuple[int, ...]  # numbers that name it
     folder: Path  # gets the policies
     env: Mapping[str, Any]  # settings of the task env
+    games: int  # that each model learns from
+    fill_games: int  # before them, from which nothing learns
+    refit_games: int  # and in which the mixer alone learns
     learner: Mapping[str, Any]  # arguments of QMIX
     about: Mapping[str, str]  # texts for the policies' folders
 
@@ -54,6 +57,13 @@ def begin(member: Member, env: Mapping[str, Any], learner: Mapping[str, Any], se
     else:
         model.take_over(policy)
     return model
+
+
+def go_on(model: QMIX, spec: Training) -> None:
+    """Let a model learn on: a replay of a few games and a mixer that does not know them would spoil what it can."""
+    for let, games in ((model.fill_replay, spec.fill_games), (model.refit_mixer, spec.refit_games)):
+        let(env_steps(spec.env, games))
+    model.learn(env_steps(spec.env, spec.games))
 
 
 def env_settings(terms: Terms, n_envs: int) -> dict[str, Any]:

@@ -556,5 +556,5 @@ def changed(path: Path, **values: Any) -> bytes:
 
 def save_as_before(model: QMIX, path: Path) -> None:
     """Write a zip as SB3 and earlier versions did, with pickled spaces and weights."""
-    again = ["lr_schedule", "train_freq", "rng", "explorer", "current", "game_log", "learner", "_mixer_alone"]
+    again = ["lr_schedule", "train_freq", "rng", "explorer", "current", "game_log", "learner", "_learns"]
     OffPolicyAlgorithm.save(model, path, exclude=[*again, "_last_obs", "_eval_envs", "_leading"])

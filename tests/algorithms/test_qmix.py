@@ -46,6 +46,33 @@ def test_it_plays_valid_tasks_only_and_changes_its_weights(make_model: MakeModel
     assert torch.isfinite(weights(model)).all()
 
 
+def test_the_replay_is_filled_and_nothing_learns(make_model: MakeModel) -> None:
+    model = make_model()
+    before = weights(model)
+
+    model.fill_replay(200)
+
+    assert torch.equal(weights(model), before)
+    assert len(model.replay_buffer) >= 200
+    assert not torch.equal(weights(model.learn(60)), before)
+
+
+def test_the_mixer_learns_alone(make_model: MakeModel) -> None:
+    model = make_model()
+    agent, mixer = (
+        torch.cat([value.flatten() for value in part.state_dict().values()]).clone()
+        for part in (model.policy.agent, model.policy.mixer)
+    )
+
+    model.refit_mixer(200)
+
+    found = (
+        torch.cat([v.flatten() for v in part.state_dict().values()])
+        for part in (model.policy.agent, model.policy.mixer)
+    )
+    assert [torch.equal(old, new) for old, new in zip((agent, mixer), found, strict=True)] == [True, False]
+
+
 @pytest.mark.parametrize(
     "options", [{"td_lambda": 0.8}, {"n_steps": 1}, {"double_q": False}, {"loss": "squared"}]
 )

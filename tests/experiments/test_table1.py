@@ -71,7 +71,7 @@ def small(folder: Path, **settings: Any) -> Table1:
         places=places,
         seeds=(0, 1),
         settings=LeagueSettings(
-            keep=2, iterations=1, games=4, refit_games=1, match_games=2, warm_up_games=2, n_envs=2, bots=("MA1", "drawn"),
+            keep=2, iterations=1, games=4, fill_games=1, refit_games=1, match_games=2, warm_up_games=2, n_envs=2, bots=("MA1", "drawn"),
             learner={"learning_starts": 0, "buffer_size": 200, "batch_size": 8}, **settings,
         ),
         lessons=Lessons(games=2, updates=5, batch_size=8),

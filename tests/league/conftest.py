@@ -17,6 +17,7 @@ TINY: dict[str, Any] = {
     "keep": 2,
     "iterations": 2,
     "games": 4,
+    "fill_games": 1,
     "refit_games": 1,
     "bots": ("MA1", "drawn=2"),
     "match_games": 2,

@@ -56,11 +56,11 @@ def test_models_meet_their_partner_the_past_and_the_bots(whole: League) -> None:
         "drawn",
     ]
     past = [weight for _, weight in spec.others["red"][:-2]]
-    assert sum(past) == pytest.approx(0.3)
-    assert [weight for _, weight in spec.others["red"][-2:]] == pytest.approx([0.5 / 3, 1.0 / 3])
-    met = with_partner(spec.members["blue"], 0.2, spec.others["red"])
+    assert sum(past) == pytest.approx(0.1)
+    assert [weight for _, weight in spec.others["red"][-2:]] == pytest.approx([0.8 / 3, 1.6 / 3])
+    met = with_partner(spec.members["blue"], 0.1, spec.others["red"])
     assert cast("FrozenPolicy", met[0][0]).sha256 == spec.members["blue"].policy().sha256
-    assert [weight for _, weight in met] == pytest.approx([0.2, *(w for _, w in spec.others["red"])])
+    assert [weight for _, weight in met] == pytest.approx([0.1, *(w for _, w in spec.others["red"])])
     assert spec.env["priority"] == 1.0
 
 
