@@ -20,6 +20,7 @@ from hexwar_sb3.errors import ConfigError, TrainingError
 from hexwar_sb3.policies.shapes import TaskShapes
 from hexwar_sb3.policies.task_sets import TaskSets, pack_observation
 
+AGE_EXPONENT = 2  # new steps are drawn more often than old ones; 1 draws evenly
 HALF_BOUND = 16.0  # features of at most this size lose nothing that matters in float16
 
 
@@ -201,11 +202,17 @@ class StepReplay:
         return self._batch(game, flat, flat, reward, discount, inside.reshape(-1))
 
     def _draw(self, count: int, rng: np.random.Generator) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-        """Game and row of some steps, uniformly."""
-        steps = np.flatnonzero(self.is_step)
-        if not steps.size:
+        """Game and row of some steps, new ones more often: the newest tenth makes a third of what is drawn."""
+        if not self.is_step.any():
             raise ConfigError("the replay buffer is empty: nothing can be learned before the first step")
-        return np.divmod(rng.choice(steps, count), self.rows)
+        games, rows = np.zeros((2, 0), np.int64)
+        while len(games) < count:
+            game = rng.integers(self.n_envs, size=count)
+            age = (rng.random(count) ** AGE_EXPONENT * self.used).astype(np.int64)
+            row = (self.next_row[game] - 1 - age) % self.rows
+            drawn = self.is_step[game, row]
+            games, rows = np.append(games, game[drawn]), np.append(rows, row[drawn])
+        return games[:count], rows[:count]
 
     def _walk(
         self, game: NDArray[np.int64], start: NDArray[np.int64], length: int

@@ -38,7 +38,7 @@ PLAYERS = ("nearest", "defender", "all-main", "half-half", "two-hold", "drawn-un
 PROGRESS = (*BOTS, "two-hold", "drawn-unseen")  # against whom the best of each iteration is measured
 COLUMNS = (*BOTS, "HRL0", "HRL1", *PLAYERS)
 WARM_UPS = 10_000  # games
-CAI_LEARNER = {"learning_rate": 4e-4, "exploration_initial_eps": 0.1, "squad_initial_share": 0.2}
+CAI_LEARNER = {"learning_rate": 5e-4, "exploration_initial_eps": 0.1, "squad_initial_share": 0.3}
 Say = Callable[[str], object]
 
 
@@ -50,7 +50,7 @@ class Table1:
     seeds: tuple[int, ...] = (0, 1, 2, 3)  # of the warm-ups
     settings: LeagueSettings = field(default_factory=LeagueSettings)
     lessons: Lessons = field(default_factory=lambda: Lessons(games=800, updates=4_000))
-    cai_games: int = 30_000  # that CAI learns from after it was distilled
+    cai_games: int = 60_000  # that CAI learns from after it was distilled
     # of CAI, where they differ from the league's: a longer training may change more
     cai_learner: Mapping[str, Any] = field(default_factory=lambda: dict(CAI_LEARNER))
     games: int = 2_000  # a cell

@@ -83,6 +83,22 @@ def test_one_step_leads_to_the_next_moment() -> None:
     assert set(batch.discount.flatten().tolist()) == {0.5}
 
 
+@pytest.mark.parametrize("moments_before", [0, 37])
+def test_new_steps_are_drawn_more_often(moments_before: int) -> None:
+    """The age of a step is u^2 of what is kept, wherever the ring begins."""
+    buffer = replay(rows=101, bound=1000.0)
+    for moment in range(moments_before + 100):
+        add(buffer, moment)
+    newest = moments_before + 99
+
+    found = moments(buffer.sample(20_000, 1, np.random.default_rng(0)).now.sets.obs)
+
+    ages = newest - np.array(found)
+    assert set(ages.tolist()) == set(range(100))
+    for share in (0.1, 0.25, 0.5):
+        assert (ages < 100 * share).mean() == pytest.approx(share**0.5, abs=0.02)
+
+
 def test_three_steps_add_up_their_discounted_rewards() -> None:
     """From moment m: m + 0.5 (m + 1) + 0.25 (m + 2), then 0.125 of moment m + 3; less at the newest row."""
     buffer = replay()
