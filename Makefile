@@ -49,10 +49,11 @@ layers: setup
 bench: setup
 	$(BIN)/hexwar bench
 
-# docs/features.md is the feature table of the code.
+# docs/features.md is the feature table of the code; the tables of docs/rules.md are its rule tables.
 docs: setup
 	printf '# Features\n\nMade by `make docs` from the table in hexwar_sb3/tasks/features.py.\n\n' > docs/features.md
 	$(BIN)/python -c "from hexwar_sb3.tasks.features import markdown; print(markdown(), end='')" >> docs/features.md
+	$(BIN)/python -c "import pathlib; from hexwar_sb3.rules.page import filled; page = pathlib.Path('docs/rules.md'); page.write_text(filled(page.read_text('utf-8')), 'utf-8')"
 
 examples: setup
 	$(BIN)/python -m pytest -q tests/examples

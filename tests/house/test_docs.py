@@ -7,7 +7,10 @@ from pathlib import Path
 
 import pytest
 
+from hexwar_sb3.rules.page import filled, rule_tables
 from hexwar_sb3.tasks.features import markdown
+
+CODE = ("hexwar_sb3", "policies", "callbacks", "tuning", "tests")
 
 
 def test_the_feature_page_is_the_feature_table(root: Path) -> None:
@@ -16,11 +19,33 @@ def test_the_feature_page_is_the_feature_table(root: Path) -> None:
     assert page.endswith(markdown()), "run `make docs`"
 
 
+def test_the_tables_of_the_rule_book_are_the_rule_tables(root: Path) -> None:
+    page = (root / "docs" / "rules.md").read_text(encoding="utf-8")
+
+    assert page == filled(page), "run `make docs`"
+    assert sorted(re.findall("<!-- table: (.*) -->", page)) == sorted(rule_tables())
+
+
+def test_every_section_of_the_rule_book_that_the_code_names_is_there(root: Path) -> None:
+    page = (root / "docs" / "rules.md").read_text(encoding="utf-8")
+    sections = {int(number) for number in re.findall(r"^## (\d+) ", page, re.MULTILINE)}
+    sources = [path for top in CODE for path in (root / top).rglob("*.py")]
+
+    named = {
+        int(number)
+        for path in sources
+        for words in re.findall(r"rule book, sections? ([\d., and]+)", path.read_text(encoding="utf-8"))
+        for number in re.findall(r"\d+(?=[.,\s]|$)", re.sub(r"(\d+)\.\d+", r"\1", words))
+    }
+    assert named
+    assert named <= sections
+
+
 @pytest.mark.parametrize(
     "page",
     [
         *("README.md", "CONTRIBUTING.md", "results/README.md"),
-        *(f"docs/{name}.md" for name in ("glossary", "players", "recipes", "seeds")),
+        *(f"docs/{name}.md" for name in ("glossary", "players", "recipes", "rules", "seeds")),
     ],
 )
 def test_every_link_of_a_page_leads_somewhere(root: Path, page: str) -> None:
