@@ -16,7 +16,7 @@ Settings = dict[str, Any]
 LEARNER = (
     *("mixer", "learning_rate", "final_learning_rate", "batch_size", "tau", "ema_tau", "gamma", "n_steps"),
     "td_lambda",
-    *("double_q", "gradient_steps", "stickiness"),
+    *("double_q", "gradient_steps", "buffer_size", "stickiness"),
     *("exploration_initial_eps", "exploration_final_eps", "exploration_episodes"),
     *("squad_initial_share", "squad_final_share", "squad_episodes"),
 )

@@ -96,6 +96,7 @@ class Train:
     td_lambda: OfPreset[float] = None  # of lambda-returns over n_steps; else n-step returns
     double_q: OfPreset[bool] = None  # the online network picks the next tasks
     gradient_steps: OfPreset[int] = None  # updates a finished game
+    buffer_size: OfPreset[int] = None  # env steps that the replay keeps, 9 KB each on the built-in maps
     stickiness: OfPreset[float] = None  # probability that an exploring piece keeps its random task
     exploration_initial_eps: OfPreset[float] = None  # probability of a random task at the start
     exploration_final_eps: OfPreset[float] = None  # probability of a random task in the end
