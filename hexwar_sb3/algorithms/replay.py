@@ -209,7 +209,9 @@ class StepReplay:
         while len(games) < count:
             game = rng.integers(self.n_envs, size=count)
             age = (rng.random(count) ** AGE_EXPONENT * self.used).astype(np.int64)
-            row = (self.next_row[game] - 1 - age) % self.rows
+            row = (
+                self.next_row[game] - 1 - age
+            ) % self.used  # whatever a file says of `next_row`: all of them
             drawn = self.is_step[game, row]
             games, rows = np.append(games, game[drawn]), np.append(rows, row[drawn])
         return games[:count], rows[:count]

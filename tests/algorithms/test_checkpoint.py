@@ -150,6 +150,7 @@ FREE = (
         "torch_random",
         "exploring",
         "current",
+        "squads/members",  # who is ordered, as "exploring" says who explores
         "replay/done",
         "replay/is_step",
         "replay/tasks",

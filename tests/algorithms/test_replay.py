@@ -99,6 +99,22 @@ def test_new_steps_are_drawn_more_often(moments_before: int) -> None:
         assert (ages < 100 * share).mean() == pytest.approx(share**0.5, abs=0.02)
 
 
+@pytest.mark.parametrize("next_row", [5, 39])
+def test_all_that_was_stored_is_drawn_from_a_larger_replay(next_row: int) -> None:
+    """A ring that had gone round lies in a part of the larger one; a file may name any row as the next."""
+    small, large = replay(rows=20), replay(rows=40)
+    for moment in range(25):
+        add(small, moment)
+    parts = {name: np.asarray(array) for name, array in small.snapshot().items()}
+    if next_row != small.next_row[0]:
+        parts["next_row"] = np.full(GAMES, next_row)
+
+    large.restore(parts)
+
+    drawn = moments(large.sample(5_000, 1, np.random.default_rng(0)).now.sets.obs)
+    assert set(drawn) == set(range(6, 25))
+
+
 def test_three_steps_add_up_their_discounted_rewards() -> None:
     """From moment m: m + 0.5 (m + 1) + 0.25 (m + 2), then 0.125 of moment m + 3; less at the newest row."""
     buffer = replay()

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from hexwar_sb3.errors import ConfigError
 from hexwar_sb3.rules.page import filled, rule_tables
 from hexwar_sb3.tasks.features import markdown
 
@@ -24,6 +25,11 @@ def test_the_tables_of_the_rule_book_are_the_rule_tables(root: Path) -> None:
 
     assert page == filled(page), "run `make docs`"
     assert sorted(re.findall("<!-- table: (.*) -->", page)) == sorted(rule_tables())
+
+
+def test_a_table_that_there_is_not_is_refused() -> None:
+    with pytest.raises(ConfigError, match="no table 'hop'; there are pieces"):
+        filled("<!-- table: hop -->\n<!-- end -->\n")
 
 
 def test_every_section_of_the_rule_book_that_the_code_names_is_there(root: Path) -> None:
