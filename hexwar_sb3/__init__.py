@@ -10,6 +10,8 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from hexwar_sb3.version import __version__ as __version__
+
 if TYPE_CHECKING:  # for type checkers and editors; `_HOMES` says the same to Python
     from hexwar_sb3 import rules as rules
     from hexwar_sb3.algorithms.hierarchical import HierarchicalQMIX as HierarchicalQMIX
@@ -39,8 +41,6 @@ if TYPE_CHECKING:  # for type checkers and editors; `_HOMES` says the same to Py
     from hexwar_sb3.maps.files import load_map as load_map
     from hexwar_sb3.maps.files import load_scenario as load_scenario
     from hexwar_sb3.play.frozen import FrozenPolicy as FrozenPolicy
-
-__version__ = "0.1.0"
 
 _HOMES = {
     "Decompress": "engine.orders",

@@ -8,7 +8,6 @@ from typing import Any
 
 import tyro
 
-from hexwar_sb3 import __version__
 from hexwar_sb3.commands.bench import Bench
 from hexwar_sb3.commands.console import carry_out, one_line_errors
 from hexwar_sb3.commands.distill import Distill
@@ -24,6 +23,7 @@ from hexwar_sb3.commands.train import Train
 from hexwar_sb3.commands.tune import Tune
 from hexwar_sb3.commands.watch import Watch
 from hexwar_sb3.errors import UnknownNameError
+from hexwar_sb3.version import __version__
 
 COMMANDS: dict[str, Callable[..., Any]] = {
     "train": Train,

@@ -11,9 +11,9 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from time import perf_counter
 
-from hexwar_sb3 import __version__
 from hexwar_sb3.commands.output import compile_first, print_json
 from hexwar_sb3.commands.settings import Json
+from hexwar_sb3.version import __version__
 
 PACKAGES = (
     "numpy",

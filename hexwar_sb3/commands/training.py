@@ -25,7 +25,7 @@ from hexwar_sb3.callbacks.win_rate import WinRateCallback
 from hexwar_sb3.commands.output import print_json
 from hexwar_sb3.commands.page import TRAINED, met_by, write_page
 from hexwar_sb3.commands.run_folder import RunFolder
-from hexwar_sb3.commands.train import LEARNED
+from hexwar_sb3.commands.train_settings import LEARNED, TrainSettings
 from hexwar_sb3.engine.world import load_world
 from hexwar_sb3.envs.registration import make_vec_env
 from hexwar_sb3.errors import ConfigError
@@ -38,14 +38,12 @@ from hexwar_sb3.play.lower_policy import HEURISTIC_LOWER, FrozenLower
 if TYPE_CHECKING:
     from stable_baselines3.common.vec_env import VecEnv
 
-    from hexwar_sb3.commands.train import Train
-
 LED_BY_HEURISTIC = "trained, heuristic lower"  # row of the page
 LOG_EVERY_GAMES = 200
 INTERRUPTED = 130  # exit code after Ctrl-C
 
 
-def train(settings: Train, model: QMIX, folder: RunFolder) -> int:
+def train(settings: TrainSettings, model: QMIX, folder: RunFolder) -> int:
     """Train as the settings say; return the exit code."""
     start = monotonic()
     threads = torch.get_num_threads()
@@ -61,7 +59,7 @@ def train(settings: Train, model: QMIX, folder: RunFolder) -> int:
         )
         return INTERRUPTED
     model.save(folder.model)
-    del model.replay_buffer  # 0.7 GB that the games of the page can have
+    del model.replay_buffer  # 1 GB that the games of the page can have
     opponent = settings.named_opponents[0]
     write_games(folder.policy, opponent, settings.terms(), folder.replays, f"against_{Path(opponent).name}")
     title = (
@@ -85,7 +83,7 @@ def train(settings: Train, model: QMIX, folder: RunFolder) -> int:
     return 0
 
 
-def players_of(settings: Train, folder: RunFolder) -> dict[str, object]:
+def players_of(settings: TrainSettings, folder: RunFolder) -> dict[str, object]:
     """Say who plays for the page, by the name of the row: "trained" is the best model of the evaluations."""
     trained = FrozenPolicy.load(folder.policy)
     players: dict[str, object] = {"untrained": str(folder.untrained), TRAINED: trained}
@@ -109,7 +107,7 @@ def _places(folder: RunFolder) -> str:
     return "\n".join(f"{name:<{width}}  {path}" for name, path in places.items())
 
 
-def learn(model: QMIX, settings: Train, folder: RunFolder, threads: int) -> bool:
+def learn(model: QMIX, settings: TrainSettings, folder: RunFolder, threads: int) -> bool:
     """Let the model learn, and play in so many threads meanwhile; False after Ctrl-C."""
     model.set_logger(new_logger(folder.path))
     checkpoint = Checkpoint(settings.save_freq, folder.checkpoint)
@@ -129,7 +127,7 @@ def learn(model: QMIX, settings: Train, folder: RunFolder, threads: int) -> bool
     return True
 
 
-def make_env(settings: Train) -> VecEnv:
+def make_env(settings: TrainSettings) -> VecEnv:
     """Make the games that the model learns from."""
     return make_vec_env(
         "HexWarTask-v0",
@@ -146,7 +144,7 @@ def make_env(settings: Train) -> VecEnv:
     )
 
 
-def go_on(settings: Train, folder: RunFolder) -> HierarchicalQMIX:
+def go_on(settings: TrainSettings, folder: RunFolder) -> HierarchicalQMIX:
     """Load the model of a run that was broken off.
 
     Raises:
@@ -168,7 +166,7 @@ def go_on(settings: Train, folder: RunFolder) -> HierarchicalQMIX:
     return model
 
 
-def new_model(settings: Train, env: VecEnv) -> HierarchicalQMIX:
+def new_model(settings: TrainSettings, env: VecEnv) -> HierarchicalQMIX:
     """Build a model, or take the one that training is to start from."""
     check_device(settings.device)
     phases = settings.value("phase_ticks")
@@ -199,13 +197,13 @@ def check_device(name: str) -> None:
         raise ConfigError(f"device {name!r} cannot be used: {reason}") from error
 
 
-def about(settings: Train) -> dict[str, str]:
+def about(settings: TrainSettings) -> dict[str, str]:
     """Say in a policy folder what it was trained on."""
     rules = load_world(settings.scenario).ruleset.hash
     return {"rules": rules, "side": settings.side, "seed": str(settings.seed), **settings.terms().about()}
 
 
-def watchers(settings: Train, folder: RunFolder, threads: int = 1) -> list[BaseCallback]:
+def watchers(settings: TrainSettings, folder: RunFolder, threads: int = 1) -> list[BaseCallback]:
     """Build the callbacks that look at the training."""
     terms = settings.terms(games=settings.eval_games, purpose=Purpose.SELECTION)
     how: Any = {"folder": folder.path, "about": about(settings), "threads": threads}
@@ -214,7 +212,7 @@ def watchers(settings: Train, folder: RunFolder, threads: int = 1) -> list[BaseC
     return [*shares_of(settings.chosen, settings.games), *self_play(settings, folder), win_rate, *bar]
 
 
-def self_play(settings: Train, folder: RunFolder) -> list[SelfPlayCallback]:
+def self_play(settings: TrainSettings, folder: RunFolder) -> list[SelfPlayCallback]:
     """Build the callback that gives the games copies of the learner, if they are among the opponents."""
     others = with_weights(settings.met)
     if SELF not in others:

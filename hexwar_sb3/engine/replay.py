@@ -10,7 +10,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from datetime import UTC, datetime
-from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -32,6 +31,7 @@ from hexwar_sb3.maps.scenario import Scenario
 from hexwar_sb3.maps.scenario_file import scenario_document
 from hexwar_sb3.rules import RuleSet, default_rules
 from hexwar_sb3.rules.tables import AEROCRAFT
+from hexwar_sb3.version import __version__
 
 FORMAT = "hexwar-replay"
 FORMAT_VERSION = 1
@@ -330,7 +330,7 @@ def _head(recorder: Recorder, seed: int, players: dict[str, PlayerName | None]) 
         "scenario": scenario_document(world.scenario),
         "seed": seed & MAX_SEED,
         "players": {camp: player.as_dict() for camp, player in named.items()},
-        "software": import_module("hexwar_sb3").__version__,
+        "software": __version__,
         "created": datetime.now(UTC).isoformat(timespec="seconds"),
     }
 

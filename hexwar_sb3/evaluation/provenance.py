@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from hexwar_sb3 import __version__
 from hexwar_sb3.bots.config import bots_hash
 from hexwar_sb3.bots.registry import BOTS_VERSION
 from hexwar_sb3.engine.world import load_world
 from hexwar_sb3.maps.scenario import Scenario
+from hexwar_sb3.version import __version__
 
 
 def provenance(scenario: str | Path | Scenario) -> dict[str, str]:

@@ -4,17 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from enum import IntEnum
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from hexwar_sb3.errors import ConfigError
 from hexwar_sb3.rules.compiled import LEAST_MODIFIER, MOST_MODIFIER, RULES
 from hexwar_sb3.rules.enums import PieceType, Weapon
-from hexwar_sb3.rules.rows import AttackRow, Number, PieceRow, Table
-
-if TYPE_CHECKING:
-    from hexwar_sb3.rules.ruleset import RuleSet
+from hexwar_sb3.rules.rows import AttackRow, Number, PieceRow, RuleTables, Table
 
 MAX_BLOOD = RULES["column"].shape[0] - 1
 MAX_LEVEL = RULES["column"].shape[1] - 1
@@ -43,7 +39,7 @@ FROM_ROWS = frozenset(
 DERIVED = frozenset({"power", "odds_vehicle", "odds_small", "odds_soldier", "odds_air"})
 
 
-def check_rules(rules: RuleSet) -> None:
+def check_rules(rules: RuleTables) -> None:
     """Raise ConfigError at the first row that is missing or cannot be right."""
     _each_once("piece", [row.kind for row in rules.pieces], PieceType)
     _each_once("weapon", [row.weapon for row in rules.weapons], Weapon)
@@ -85,7 +81,7 @@ def _no_twins(what: str, keys: Sequence[object]) -> None:
             _fail(f"{what} {key}", "two rows", "one")
 
 
-def _check_names(rules: RuleSet) -> None:
+def _check_names(rules: RuleTables) -> None:
     """Numbers and tables fill the record: every field once, and nothing that is no field."""
     names = [row.name for row in rules.numbers] + [row.name for row in rules.tables]
     _no_twins("rule", names)
@@ -140,7 +136,7 @@ def _check_table(table: Table) -> None:
         )
 
 
-def _check_weapons(rules: RuleSet) -> None:
+def _check_weapons(rules: RuleTables) -> None:
     """Every weapon but the mortar, which fires at cells, has an attack level somewhere."""
     armed = {row.weapon for row in rules.attacks}
     for weapon in Weapon:
@@ -148,7 +144,7 @@ def _check_weapons(rules: RuleSet) -> None:
             _fail(f"attack rows of {weapon.name}", len(armed & {weapon}), "none for MORTAR, else some")
 
 
-def _check_sight(rules: RuleSet) -> None:
+def _check_sight(rules: RuleTables) -> None:
     ground, air = rules.ground_sight, rules.aerocraft
     for row in (ground, air):
         _within("sight of soldiers", row.soldier_cells, 1, MAX_BYTE)
@@ -161,7 +157,7 @@ def _check_sight(rules: RuleSet) -> None:
         _within(name, rules.number(name), 1, MAX_BYTE)
 
 
-def _check_modifiers(rules: RuleSet) -> None:
+def _check_modifiers(rules: RuleTables) -> None:
     """The odds tables hold every sum of shot modifiers that can occur."""
     values = [row.value for row in rules.numbers if row.name.startswith("mod_")]
     _within("sum of all penalties", sum(min(value, 0) for value in values), LEAST_MODIFIER, 0)

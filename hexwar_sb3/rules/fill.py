@@ -2,22 +2,17 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from hexwar_sb3.rules.compiled import NO_POOL
 from hexwar_sb3.rules.enums import PieceType
-from hexwar_sb3.rules.rows import Table
-
-if TYPE_CHECKING:
-    from hexwar_sb3.rules.ruleset import RuleSet
+from hexwar_sb3.rules.rows import RuleTables, Table
 
 GROUND = (PieceType.TANK, PieceType.CHARIOT, PieceType.SOLDIER)
 VEHICLES = (PieceType.TANK, PieceType.CHARIOT)
 
 
-def fill_record(record: np.record, rules: RuleSet) -> None:
+def fill_record(record: np.record, rules: RuleTables) -> None:
     """Write everything but the odds, in place."""
     _fill_pieces(record, rules)
     _fill_sight(record, rules)
@@ -28,7 +23,7 @@ def fill_record(record: np.record, rules: RuleSet) -> None:
         _fill_table(record, table)
 
 
-def _fill_pieces(record: np.record, rules: RuleSet) -> None:
+def _fill_pieces(record: np.record, rules: RuleTables) -> None:
     record.pool[:] = NO_POOL
     for row in rules.pieces:
         record.value[row.kind] = row.value
@@ -42,7 +37,7 @@ def _fill_pieces(record: np.record, rules: RuleSet) -> None:
             record.pool[row.kind, list(pool.weapons)] = index
 
 
-def _fill_sight(record: np.record, rules: RuleSet) -> None:
+def _fill_sight(record: np.record, rules: RuleTables) -> None:
     ground, air = rules.ground_sight, rules.aerocraft
     record.sight[GROUND, PieceType.SOLDIER] = ground.soldier_cells
     record.sight[PieceType.AEROCRAFT, PieceType.SOLDIER] = air.soldier_cells
@@ -52,7 +47,7 @@ def _fill_sight(record: np.record, rules: RuleSet) -> None:
     record.sight[:, PieceType.AEROCRAFT] = air.seen_cells
 
 
-def _fill_levels(record: np.record, rules: RuleSet) -> None:
+def _fill_levels(record: np.record, rules: RuleTables) -> None:
     for row in rules.attacks:
         for blood in range(1, record.level.shape[2]):
             levels = row.of_blood(blood)

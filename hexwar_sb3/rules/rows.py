@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TypeAlias, cast
+from typing import TypeAlias, TypeVar, cast
 
-from hexwar_sb3.errors import ConfigError
+from hexwar_sb3.errors import ConfigError, UnknownNameError
 from hexwar_sb3.rules.compiled import NO_EFFECT, SCATTER_HIT
 from hexwar_sb3.rules.enums import PieceType, TargetClass, Weapon
 
@@ -143,6 +144,43 @@ class Table:
         """Entry of the nearest row: the outermost rows stand for everything beyond them."""
         last = self.first[0] + len(cast("tuple[Cells, ...]", self.cells)) - 1
         return self.at(min(max(row, self.first[0]), last), *rest)
+
+
+Named = TypeVar("Named", Number, Table)
+
+
+@dataclass(frozen=True, kw_only=True)
+class RuleTables:
+    """All rows of one game."""
+
+    version: str
+    pieces: tuple[PieceRow, ...]  # [PieceType]
+    weapons: tuple[WeaponRow, ...]  # [Weapon]
+    attacks: tuple[AttackRow, ...]
+    ground_sight: GroundSight
+    aerocraft: AerocraftProfile
+    numbers: tuple[Number, ...]
+    tables: tuple[Table, ...]
+
+    def number(self, name: str) -> int:
+        """One number by the name that it has in the compiled record."""
+        return named(self.numbers, name).value
+
+    def table(self, name: str) -> Table:
+        """One table by the name that it has in the compiled record."""
+        return named(self.tables, name)
+
+
+def named(rows: Sequence[Named], name: str) -> Named:
+    """Find a row by its name.
+
+    Raises:
+        UnknownNameError: no row has it.
+    """
+    for row in rows:
+        if row.name == name:
+            return row
+    raise UnknownNameError("rule", name, (row.name for row in rows))
 
 
 def numbers(text: str) -> tuple[int, ...]:

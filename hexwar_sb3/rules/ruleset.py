@@ -21,51 +21,24 @@ from hexwar_sb3.rules.compiled import RULES
 from hexwar_sb3.rules.enums import PieceType
 from hexwar_sb3.rules.fill import fill_record
 from hexwar_sb3.rules.odds import fill_odds
-from hexwar_sb3.rules.rows import (
-    AerocraftProfile,
-    AttackRow,
-    GroundSight,
-    Key,
-    Number,
-    PieceRow,
-    Table,
-    WeaponRow,
-)
+from hexwar_sb3.rules.rows import AttackRow, Key, Number, PieceRow, RuleTables, Table, WeaponRow, named
 
 Row: TypeAlias = PieceRow | WeaponRow | AttackRow | Number | Table
 Entry = TypeVar("Entry", bound=Row)
-Named = TypeVar("Named", Number, Table)
 
 _NOT_RULES = frozenset({"version", "unit", "source"})  # words: outside the hash
 
 
 @dataclass(frozen=True, kw_only=True)
-class RuleSet:
+class RuleSet(RuleTables):
     """All numbers of one game; equal hashes mean equal rules.
 
     Raises:
         ConfigError: a row is missing, of the wrong shape or out of its range.
     """
 
-    version: str
-    pieces: tuple[PieceRow, ...]  # [PieceType]
-    weapons: tuple[WeaponRow, ...]  # [Weapon]
-    attacks: tuple[AttackRow, ...]
-    ground_sight: GroundSight
-    aerocraft: AerocraftProfile
-    numbers: tuple[Number, ...]
-    tables: tuple[Table, ...]
-
     def __post_init__(self) -> None:
         check_rules(self)
-
-    def number(self, name: str) -> int:
-        """One number by the name that it has in the compiled record."""
-        return _named(self.numbers, name).value
-
-    def table(self, name: str) -> Table:
-        """One table by the name that it has in the compiled record."""
-        return _named(self.tables, name)
 
     @cached_property
     def hash(self) -> str:
@@ -97,7 +70,7 @@ class RuleSet:
 
     def with_numbers(self, **values: int) -> RuleSet:
         """These rules with some numbers changed, as in `with_numbers(stop_ticks=50)`."""
-        rows = [replace(_named(self.numbers, name), value=n) for name, n in values.items()]
+        rows = [replace(named(self.numbers, name), value=n) for name, n in values.items()]
         return self.with_rows(*rows)
 
     def with_aerocraft(self, name: str) -> RuleSet:
@@ -111,13 +84,6 @@ class RuleSet:
     def _keys(self) -> Iterator[Key]:
         for group in (self.pieces, self.weapons, self.attacks, self.numbers, self.tables):
             yield from (row.key for row in cast("Sequence[Row]", group))
-
-
-def _named(rows: Sequence[Named], name: str) -> Named:
-    for row in rows:
-        if row.name == name:
-            return row
-    raise UnknownNameError("rule", name, (row.name for row in rows))
 
 
 def _replaced(rows: tuple[Entry, ...], changed: dict[Key, Row]) -> tuple[Entry, ...]:

@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from hexwar_sb3.commands.run_folder import RunFolder
-from hexwar_sb3.commands.train import Train, settings_from
+from hexwar_sb3.commands.train_settings import TrainSettings, settings_from
 from hexwar_sb3.errors import FileFormatError, HexWarError
 
 
@@ -18,7 +18,10 @@ def test_each_run_gets_the_next_free_number(tmp_path: Path) -> None:
 
 
 def test_the_settings_of_a_run_come_back(tmp_path: Path) -> None:
-    folder, settings = RunFolder.new(tmp_path, "x"), Train(n_timesteps=7, opponents=("MA2",), runs=tmp_path)
+    folder, settings = (
+        RunFolder.new(tmp_path, "x"),
+        TrainSettings(n_timesteps=7, opponents=("MA2",), runs=tmp_path),
+    )
 
     folder.write_config(settings, "hexwar train -n 7")
 
@@ -69,7 +72,9 @@ def test_broken_settings_say_where_and_what(tmp_path: Path, text: str, message: 
 
 def test_nothing_but_our_errors_comes_of_bad_settings(tmp_path: Path, bad: Any) -> None:
     folder = RunFolder(tmp_path)
-    folder.write_config(Train(n_timesteps=7, alpha=0.1, phase_ticks=(1, 2), runs=tmp_path), "hexwar train")
+    folder.write_config(
+        TrainSettings(n_timesteps=7, alpha=0.1, phase_ticks=(1, 2), runs=tmp_path), "hexwar train"
+    )
     refused = 0
     for content in bad(json.loads(folder.config.read_text())):
         folder.config.write_bytes(content)

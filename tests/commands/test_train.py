@@ -20,7 +20,8 @@ from hexwar_sb3.algorithms.hierarchical import HierarchicalQMIX
 from hexwar_sb3.algorithms.qmix import QMIX
 from hexwar_sb3.commands.page import others_on
 from hexwar_sb3.commands.run_folder import RunFolder
-from hexwar_sb3.commands.train import LOWER_SCENARIOS, Train
+from hexwar_sb3.commands.train import Train
+from hexwar_sb3.commands.train_settings import LOWER_SCENARIOS
 from hexwar_sb3.commands.training import make_env, new_model, players_of
 from hexwar_sb3.envs.registration import make_vec_env
 from hexwar_sb3.envs.route_settings import route_settings

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from hexwar_sb3.commands.train import LOWER_SCENARIOS
+from hexwar_sb3.commands.train_settings import LOWER_SCENARIOS
 from hexwar_sb3.engine.world import load_world
 from hexwar_sb3.experiments.routes import asymmetric, report, text, unseen
 from hexwar_sb3.maps.files import builtin_names, load_scenario

@@ -43,7 +43,9 @@ def test_type_checkers_read_the_same_homes_as_python(root: Path) -> None:
     tree = ast.parse((root / "hexwar_sb3" / "__init__.py").read_text(encoding="utf-8"))
     typed = {
         alias.name: node.module
-        for node in ast.walk(tree)
+        for block in tree.body
+        if isinstance(block, ast.If)  # if TYPE_CHECKING
+        for node in block.body
         if isinstance(node, ast.ImportFrom)
         for alias in node.names
         if node.module and node.module.startswith("hexwar_sb3.")
