@@ -13,7 +13,7 @@ from hexwar_sb3.algorithms.qmix import QMIX
 from hexwar_sb3.envs.settings import TaskSettings
 from hexwar_sb3.errors import ConfigError
 from hexwar_sb3.league.distil import Lessons, distill
-from hexwar_sb3.play.frozen import FrozenPolicy
+from hexwar_sb3.players.frozen import FrozenPolicy
 
 
 class DistillationCallback(BaseCallback):

@@ -17,7 +17,7 @@ from hexwar_sb3.folders import holding
 from hexwar_sb3.league.league import League
 from hexwar_sb3.league.member import BOTH, CAMPS, as_member
 from hexwar_sb3.league.settings import LeagueSettings
-from hexwar_sb3.play.frozen import FrozenPolicy
+from hexwar_sb3.players.frozen import FrozenPolicy
 
 
 class GroupedSelfPlayCallback(BaseCallback):

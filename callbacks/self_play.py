@@ -14,8 +14,8 @@ from hexwar_sb3.callbacks.every import EverySteps
 from hexwar_sb3.checks import check_whole
 from hexwar_sb3.envs.settings import check_share
 from hexwar_sb3.errors import ConfigError
-from hexwar_sb3.play.frozen import FrozenPolicy
-from hexwar_sb3.play.player import ModelPlayer, Player, with_weight
+from hexwar_sb3.players.frozen import FrozenPolicy
+from hexwar_sb3.players.player import ModelPlayer, Player, with_weight
 
 
 class SelfPlayCallback(EverySteps):

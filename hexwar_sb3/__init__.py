@@ -40,12 +40,12 @@ if TYPE_CHECKING:  # for type checkers and editors; `_HOMES` says the same to Py
     from hexwar_sb3.evaluation.matches import play_match as play_match
     from hexwar_sb3.maps.files import load_map as load_map
     from hexwar_sb3.maps.files import load_scenario as load_scenario
-    from hexwar_sb3.play.frozen import FrozenPolicy as FrozenPolicy
+    from hexwar_sb3.players.frozen import FrozenPolicy as FrozenPolicy
 
 _HOMES = {
     "Decompress": "engine.orders",
     "Engine": "engine.batch",
-    "FrozenPolicy": "play.frozen",
+    "FrozenPolicy": "players.frozen",
     "Game": "engine.game",
     "GetOff": "engine.orders",
     "GetOn": "engine.orders",

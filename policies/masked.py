@@ -13,7 +13,7 @@ from stable_baselines3.dqn.policies import DQNPolicy, QNetwork
 from torch import Tensor, nn
 
 from hexwar_sb3.errors import ConfigError
-from hexwar_sb3.play.lower_policy import FrozenLower
+from hexwar_sb3.players.frozen_lower import FrozenLower
 from hexwar_sb3.policies.trusted import TrustedFiles
 
 MASK = "action_mask"

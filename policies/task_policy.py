@@ -13,8 +13,8 @@ from stable_baselines3.common.type_aliases import PyTorchObs, Schedule
 from torch import Tensor
 
 from hexwar_sb3.errors import ConfigError, UnknownNameError
-from hexwar_sb3.play.frozen import FrozenPolicy
-from hexwar_sb3.play.lower_policy import HEURISTIC_LOWER, Lower
+from hexwar_sb3.players.frozen import FrozenPolicy
+from hexwar_sb3.players.frozen_lower import HEURISTIC_LOWER, Lower
 from hexwar_sb3.policies.agent import NETWORKS, AgentNetwork, TaskNetwork
 from hexwar_sb3.policies.mirrored import columns_of_the_camp, leave_out
 from hexwar_sb3.policies.mixers import MIXERS, Mixer

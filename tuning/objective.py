@@ -23,7 +23,7 @@ from hexwar_sb3.evaluation.panel import Terms, play_panel
 from hexwar_sb3.evaluation.results import CampResult
 from hexwar_sb3.evaluation.seeds import Purpose, seed_for
 from hexwar_sb3.league.work import one_thread
-from hexwar_sb3.play.frozen import FrozenPolicy
+from hexwar_sb3.players.frozen import FrozenPolicy
 
 FORCE = 134  # points that the pieces of a camp are worth: a margin of it counts as 1
 LOWER_TICKS = 7_500_000  # game ticks that the lower level's schedules are made for

@@ -44,7 +44,7 @@ from hexwar_sb3.evaluation.provenance import provenance
 from hexwar_sb3.files import UNFINISHED, check_held, replacing
 from hexwar_sb3.folders import holding, work_for_holder
 from hexwar_sb3.kinds import read_fields
-from hexwar_sb3.play.player import BotPlayer, make_player
+from hexwar_sb3.players.player import BotPlayer, make_player
 from hexwar_sb3.processes import end_with_parent, keep_memory, start_python
 from hexwar_sb3.tuning.objective import Common, check, objective
 from hexwar_sb3.tuning.samplers import SAMPLERS, make_sampler

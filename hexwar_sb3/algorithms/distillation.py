@@ -15,7 +15,7 @@ from torch import Tensor, nn
 
 from hexwar_sb3.algorithms.exploration import random_tasks
 from hexwar_sb3.errors import ConfigError
-from hexwar_sb3.play.frozen import FrozenPolicy
+from hexwar_sb3.players.frozen import FrozenPolicy
 from hexwar_sb3.policies.task_policy import TaskPolicy
 from hexwar_sb3.policies.task_sets import TaskSets
 

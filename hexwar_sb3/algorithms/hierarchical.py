@@ -42,8 +42,8 @@ from hexwar_sb3.envs.route_vec_env import RouteVecEnv, route_spaces
 from hexwar_sb3.envs.settings import TaskSettings
 from hexwar_sb3.envs.snapshots import placed
 from hexwar_sb3.errors import CheckpointError, ConfigError
-from hexwar_sb3.play.lower_policy import HEURISTIC_LOWER, FrozenLower, Lower
-from hexwar_sb3.play.routes import measure_routes
+from hexwar_sb3.evaluation.routes import measure_routes
+from hexwar_sb3.players.frozen_lower import HEURISTIC_LOWER, FrozenLower, Lower
 from hexwar_sb3.policies.masked import MaskedDQNPolicy, freeze_lower
 from hexwar_sb3.policies.task_policy import TaskPolicy
 

@@ -51,7 +51,7 @@ from hexwar_sb3.algorithms.task_model import TaskModel
 from hexwar_sb3.algorithms.td_targets import qmix_target
 from hexwar_sb3.algorithms.td_update import LOSSES, TDLearner
 from hexwar_sb3.errors import ConfigError
-from hexwar_sb3.play.frozen import FrozenPolicy
+from hexwar_sb3.players.frozen import FrozenPolicy
 from hexwar_sb3.policies.agent import NETWORKS
 from hexwar_sb3.policies.mixers import MIXERS
 from hexwar_sb3.policies.shapes import SIZE_LIMITS, TaskShapes

@@ -19,8 +19,8 @@ from hexwar_sb3.algorithms.ranges import NOT_NEGATIVE, Misfit, Parts, Table, Who
 from hexwar_sb3.algorithms.replay import StepReplay
 from hexwar_sb3.algorithms.tensors import check_forms, pack
 from hexwar_sb3.errors import CheckpointError, ConfigError
-from hexwar_sb3.play.lower_policy import FORMAT as LOWER_FORMAT
-from hexwar_sb3.play.lower_policy import HEURISTIC_LOWER, SIZES, FrozenLower, Lower
+from hexwar_sb3.players.frozen_lower import FORMAT as LOWER_FORMAT
+from hexwar_sb3.players.frozen_lower import HEURISTIC_LOWER, SIZES, FrozenLower, Lower
 from hexwar_sb3.policies.shapes import SIZE_LIMITS, TaskShapes
 from hexwar_sb3.policies.task_policy import TaskPolicy
 

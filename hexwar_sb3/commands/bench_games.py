@@ -18,10 +18,10 @@ from hexwar_sb3.envs.registration import make_vec_env
 from hexwar_sb3.kernels import Row, Rows, kernel
 from hexwar_sb3.maps.geometry import NO_DIRECTION
 from hexwar_sb3.play.arena import Arena, Setup
-from hexwar_sb3.play.look import Sight
-from hexwar_sb3.play.lower_policy import HEURISTIC_LOWER, fastest_way_network
 from hexwar_sb3.play.match import play_games
-from hexwar_sb3.play.player import make_player
+from hexwar_sb3.play.sight import Sight
+from hexwar_sb3.players.frozen_lower import HEURISTIC_LOWER, fastest_way_network
+from hexwar_sb3.players.player import make_player
 from hexwar_sb3.rules.enums import Action, Camp
 from hexwar_sb3.tasks.travel import next_direction
 

@@ -15,7 +15,7 @@ from hexwar_sb3.errors import ConfigError
 from hexwar_sb3.evaluation.seeds import Purpose, seed_for
 
 if TYPE_CHECKING:
-    from hexwar_sb3.play.frozen import FrozenPolicy
+    from hexwar_sb3.players.frozen import FrozenPolicy
 
 TEACHERS = "run folders or policy folders"
 N_ENVS = 32  # games of a teacher side by side
@@ -49,7 +49,7 @@ class Distill:
         from hexwar_sb3.league.distil import Lessons, distill
         from hexwar_sb3.league.member import as_member
         from hexwar_sb3.league.work import env_settings
-        from hexwar_sb3.play.frozen import FrozenPolicy
+        from hexwar_sb3.players.frozen import FrozenPolicy
         from hexwar_sb3.rules.ruleset import default_rules
 
         lessons = Lessons(games=self.games, epsilon=self.epsilon, updates=self.updates, tau=self.tau)

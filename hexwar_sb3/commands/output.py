@@ -31,7 +31,7 @@ def compile_first(*players: str, scenario: str = "plain") -> None:
     """
     from hexwar_sb3.engine.world import load_world
     from hexwar_sb3.envs.prepare import prepare
-    from hexwar_sb3.play.player import make_player
+    from hexwar_sb3.players.player import make_player
 
     load_world(scenario)
     for player in players:

@@ -14,8 +14,8 @@ from hexwar_sb3.evaluation.opponents import broad_mixture, with_weights
 from hexwar_sb3.evaluation.panel import BOTS, CONSTANT_PLANS, Panel, Terms, play_panel
 from hexwar_sb3.evaluation.provenance import provenance
 from hexwar_sb3.league.cost import peak_mb
-from hexwar_sb3.play.frozen import FrozenPolicy
-from hexwar_sb3.play.player import POLICIES, seat_name
+from hexwar_sb3.players.frozen import FrozenPolicy
+from hexwar_sb3.players.player import POLICIES, seat_name
 
 if TYPE_CHECKING:
     from stable_baselines3.common.vec_env import VecEnv

@@ -32,8 +32,8 @@ from hexwar_sb3.errors import ConfigError
 from hexwar_sb3.evaluation.opponents import SELF, with_weights
 from hexwar_sb3.evaluation.panel import CONSTANT_PLANS
 from hexwar_sb3.evaluation.seeds import Purpose, seed_for
-from hexwar_sb3.play.frozen import FrozenPolicy
-from hexwar_sb3.play.lower_policy import HEURISTIC_LOWER, FrozenLower
+from hexwar_sb3.players.frozen import FrozenPolicy
+from hexwar_sb3.players.frozen_lower import HEURISTIC_LOWER, FrozenLower
 
 if TYPE_CHECKING:
     from stable_baselines3.common.vec_env import VecEnv

@@ -15,8 +15,8 @@ from hexwar_sb3.envs.task_games import Span, TaskGames
 from hexwar_sb3.errors import ConfigError
 from hexwar_sb3.kernels import Rows
 from hexwar_sb3.play.arena import Games, Snapshot
-from hexwar_sb3.play.fit import check_actions
-from hexwar_sb3.play.flat import flat_observation
+from hexwar_sb3.players.fit import check_actions
+from hexwar_sb3.players.flat import flat_observation
 from hexwar_sb3.rules.enums import Camp
 from hexwar_sb3.tasks.features import BOUND
 from hexwar_sb3.tasks.records import MAX_TASKS

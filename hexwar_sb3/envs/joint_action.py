@@ -12,7 +12,7 @@ from pettingzoo import ParallelEnv
 
 from hexwar_sb3.envs.settings import check_choice
 from hexwar_sb3.errors import ConfigError, shortened
-from hexwar_sb3.play.fit import check_actions
+from hexwar_sb3.players.fit import check_actions
 
 Obs = dict[str, NDArray[Any]]
 TEAM_REWARDS = ("mean", "sum")

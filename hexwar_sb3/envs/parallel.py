@@ -17,10 +17,10 @@ from hexwar_sb3.envs.task_games import Obs, box_of, check_pieces, fitting_mixtur
 from hexwar_sb3.errors import ConfigError, UnknownNameError
 from hexwar_sb3.play.arena import Arena
 from hexwar_sb3.play.encounters import Encounters
-from hexwar_sb3.play.fit import check_actions
-from hexwar_sb3.play.look import Sight
-from hexwar_sb3.play.player import Seat
 from hexwar_sb3.play.seeds import check_seed, chosen_seed, game_seed
+from hexwar_sb3.play.sight import Sight
+from hexwar_sb3.players.fit import check_actions
+from hexwar_sb3.players.player import Seat
 from hexwar_sb3.rules.enums import Camp
 from hexwar_sb3.tasks.records import MAX_TASKS
 

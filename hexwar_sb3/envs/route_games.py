@@ -20,10 +20,10 @@ from hexwar_sb3.envs.turns import NO_FOCUS, send_away, take_turns
 from hexwar_sb3.errors import ConfigError
 from hexwar_sb3.kernels import Rows
 from hexwar_sb3.play.arena import Games, Snapshot
-from hexwar_sb3.play.fit import check_fit, check_tasks
-from hexwar_sb3.play.lower_policy import FrozenLower, Lower
-from hexwar_sb3.play.player import BotPlayer, Player, given_name, make_player
 from hexwar_sb3.play.seeds import rng_array, rng_state
+from hexwar_sb3.players.fit import check_fit, check_tasks
+from hexwar_sb3.players.frozen_lower import FrozenLower, Lower
+from hexwar_sb3.players.player import BotPlayer, Player, given_name, make_player
 from hexwar_sb3.rules.enums import Camp
 from hexwar_sb3.tasks.features import PER_HOP, index
 from hexwar_sb3.tasks.records import ENDED, TaskKind

@@ -18,9 +18,9 @@ from hexwar_sb3.envs.route_games import Hop, RouteGames, check_leader
 from hexwar_sb3.envs.route_settings import RouteSettings
 from hexwar_sb3.envs.snapshots import placed
 from hexwar_sb3.play.arena import Snapshot
-from hexwar_sb3.play.fit import check_actions
-from hexwar_sb3.play.lower_policy import make_lower
 from hexwar_sb3.play.seeds import chosen_seed
+from hexwar_sb3.players.fit import check_actions
+from hexwar_sb3.players.frozen_lower import make_lower
 from hexwar_sb3.tasks.features import BOUND, ROUTE_WIDTH
 from hexwar_sb3.tasks.route import N_ANSWERS
 

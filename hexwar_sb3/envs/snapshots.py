@@ -16,9 +16,9 @@ from hexwar_sb3.errors import CheckpointError, ConfigError, shortened
 from hexwar_sb3.kernels import Rows
 from hexwar_sb3.play.arena import Arena, Snapshot
 from hexwar_sb3.play.lower import KEPT
-from hexwar_sb3.play.player import BotPlayer, Seat
 from hexwar_sb3.play.records import EXTERNAL
 from hexwar_sb3.play.seeds import MOST_SEED
+from hexwar_sb3.players.player import BotPlayer, Seat
 
 MOST_EPISODES = 2**62  # far below the end of int64
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from hexwar_sb3.envs.settings import check_choice, task_settings
 from hexwar_sb3.envs.task_games import Obs, TaskGames, action_space, observation_space
-from hexwar_sb3.play.lower_policy import Lower
+from hexwar_sb3.players.frozen_lower import Lower
 
 
 class TaskEnv(gymnasium.Env[Obs, NDArray[np.int64]]):

@@ -23,10 +23,13 @@ from hexwar_sb3.errors import ConfigError, shortened
 from hexwar_sb3.kernels import Rows
 from hexwar_sb3.play.arena import Arena, Games, Setup, Snapshot
 from hexwar_sb3.play.encounters import Encounters
-from hexwar_sb3.play.fit import check_actions, check_fit
-from hexwar_sb3.play.look import Sight
-from hexwar_sb3.play.lower_policy import make_lower
-from hexwar_sb3.play.player import (
+from hexwar_sb3.play.records import EXTERNAL
+from hexwar_sb3.play.seeds import chosen_seed, episode_draw, game_seed
+from hexwar_sb3.play.sight import Sight
+from hexwar_sb3.play.warm_start import WARM_TICKS, send_out
+from hexwar_sb3.players.fit import check_actions, check_fit
+from hexwar_sb3.players.frozen_lower import make_lower
+from hexwar_sb3.players.player import (
     BotPlayer,
     Mixture,
     Seat,
@@ -35,9 +38,6 @@ from hexwar_sb3.play.player import (
     make_player,
     same_player,
 )
-from hexwar_sb3.play.records import EXTERNAL
-from hexwar_sb3.play.seeds import chosen_seed, episode_draw, game_seed
-from hexwar_sb3.play.warm import WARM_TICKS, send_out
 from hexwar_sb3.rules.enums import Camp
 from hexwar_sb3.tasks.features import BOUND, index
 from hexwar_sb3.tasks.records import MAX_TASKS

@@ -13,7 +13,7 @@ from hexwar_sb3.envs.native_vec_env import NativeVecEnv
 from hexwar_sb3.envs.settings import TaskSettings, check_share
 from hexwar_sb3.envs.task_games import Obs, Span, TaskGames, action_space, observation_space
 from hexwar_sb3.play.arena import Snapshot
-from hexwar_sb3.play.lower_policy import Lower
+from hexwar_sb3.players.frozen_lower import Lower
 
 
 class TaskVecEnv(NativeVecEnv):

@@ -15,8 +15,8 @@ from hexwar_sb3.evaluation.results import CampResult, MatchResult
 from hexwar_sb3.evaluation.seeds import Purpose, seed_for
 from hexwar_sb3.maps.scenario import Scenario
 from hexwar_sb3.play.match import MatchGames, play_games
-from hexwar_sb3.play.player import given_name
 from hexwar_sb3.play.records import DECISION_TICKS
+from hexwar_sb3.players.player import given_name
 from hexwar_sb3.rules.enums import Camp
 from hexwar_sb3.tasks.spots import SPOTS
 

@@ -16,9 +16,9 @@ from hexwar_sb3.evaluation.matches import check_games, play_match, player_name
 from hexwar_sb3.evaluation.results import CampResult, MatchResult
 from hexwar_sb3.evaluation.seeds import Purpose, seed_for
 from hexwar_sb3.play.arena import Arena, Setup
-from hexwar_sb3.play.player import Player, make_player
 from hexwar_sb3.play.recording import record_game
 from hexwar_sb3.play.records import DECISION_TICKS
+from hexwar_sb3.players.player import Player, make_player
 from hexwar_sb3.tasks.spots import SPOTS
 
 CAMPS = ("red", "blue")

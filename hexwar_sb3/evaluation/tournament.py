@@ -25,8 +25,8 @@ from hexwar_sb3.evaluation.provenance import provenance
 from hexwar_sb3.files import replacing
 from hexwar_sb3.folders import holding
 from hexwar_sb3.kinds import read_fields
-from hexwar_sb3.play.frozen import FrozenPolicy
-from hexwar_sb3.play.player import BotPlayer, make_player
+from hexwar_sb3.players.frozen import FrozenPolicy
+from hexwar_sb3.players.player import BotPlayer, make_player
 from hexwar_sb3.reading import read_json
 
 FORMAT = "hexwar match 1"

@@ -15,13 +15,13 @@ from typing import Any
 import numpy as np
 
 from hexwar_sb3.evaluation.provenance import provenance
+from hexwar_sb3.evaluation.routes import measure_routes
 from hexwar_sb3.evaluation.seeds import Purpose, seed_for
 from hexwar_sb3.files import replacing
 from hexwar_sb3.maps.files import builtin_names, load_map, load_scenario
 from hexwar_sb3.maps.generator import standard_scenario
 from hexwar_sb3.maps.hexmap import LAYERS, HexMap
 from hexwar_sb3.maps.scenario import Scenario
-from hexwar_sb3.play.routes import measure_routes
 
 UNSEEN_SEED = 1001  # of the generator; the built-in maps have others
 

@@ -14,7 +14,7 @@ from hexwar_sb3.envs.settings import check_share
 from hexwar_sb3.errors import ConfigError
 from hexwar_sb3.evaluation.seeds import Purpose, seed_for
 from hexwar_sb3.league.work import env_steps, job_seed, one_thread
-from hexwar_sb3.play.frozen import FrozenPolicy
+from hexwar_sb3.players.frozen import FrozenPolicy
 from hexwar_sb3.policies.task_policy import TaskPolicy
 
 

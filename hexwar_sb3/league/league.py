@@ -33,7 +33,7 @@ from hexwar_sb3.league.member import BOTH, CAMPS, Member
 from hexwar_sb3.league.selection import Standing, play_all, select, standings
 from hexwar_sb3.league.settings import LeagueSettings
 from hexwar_sb3.league.work import Opponents, env_settings, env_steps, job_seed
-from hexwar_sb3.play.frozen import FrozenPolicy
+from hexwar_sb3.players.frozen import FrozenPolicy
 from hexwar_sb3.policies.shapes import TaskShapes
 from hexwar_sb3.reading import check_names, read_json
 from hexwar_sb3.tasks.hotspots import is_mirrored

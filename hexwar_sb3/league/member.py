@@ -9,7 +9,7 @@ from pathlib import Path
 from hexwar_sb3.algorithms.qmix import QMIX
 from hexwar_sb3.algorithms.tensors import checked_weights, pack, unpack
 from hexwar_sb3.errors import CheckpointError
-from hexwar_sb3.play.frozen import FrozenPolicy
+from hexwar_sb3.players.frozen import FrozenPolicy
 from hexwar_sb3.policies.task_policy import TaskPolicy
 from hexwar_sb3.reading import read_bytes
 from hexwar_sb3.rules.ruleset import default_rules

@@ -1,1 +1,1 @@
-"""Whole games: who plays, the compiled drive loop, many games at once."""
+"""Whole games: the compiled drive loop, many games at once."""

@@ -23,13 +23,14 @@ from hexwar_sb3.errors import ConfigError
 from hexwar_sb3.kernels import Rows, kernel
 from hexwar_sb3.play.demos import name_moves, name_plans
 from hexwar_sb3.play.drive import advance_until_decision
-from hexwar_sb3.play.fit import check_actions, check_fit, check_tasks
-from hexwar_sb3.play.look import Sight, choose_batch, look_batch, observe_routes
-from hexwar_sb3.play.lower import HEURISTIC, KEPT, LOWER_NET, tell_pieces
-from hexwar_sb3.play.lower_policy import HEURISTIC_LOWER, Answerer, FrozenLower, Lower, check_answers
-from hexwar_sb3.play.player import BotPlayer, Player, Seat, seat_name
+from hexwar_sb3.play.lower import HEURISTIC, KEPT, tell_pieces
 from hexwar_sb3.play.records import DECISION_TICKS, DRIVE, EXTERNAL
+from hexwar_sb3.play.sight import Sight, choose_batch, look_batch, observe_routes
 from hexwar_sb3.play.sound import check_play
+from hexwar_sb3.players.fit import check_actions, check_fit, check_tasks
+from hexwar_sb3.players.frozen_lower import HEURISTIC_LOWER, Answerer, FrozenLower, Lower, check_answers
+from hexwar_sb3.players.player import BotPlayer, Player, Seat, seat_name
+from hexwar_sb3.players.route_network import LOWER_NET
 from hexwar_sb3.rules.enums import Camp
 from hexwar_sb3.tasks.choose import clear_plans, new_plans
 from hexwar_sb3.tasks.route import N_ANSWERS, new_route_buffers

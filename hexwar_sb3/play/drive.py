@@ -10,11 +10,11 @@ from hexwar_sb3.bots.act import bot_act, next_thought
 from hexwar_sb3.engine.codes import Code
 from hexwar_sb3.engine.step import has_orders, next_due, process, set_tick
 from hexwar_sb3.kernels import Row, Rows, kernel
-from hexwar_sb3.play.execute import execute_tasks
+from hexwar_sb3.play.fingerprint import has_news
 from hexwar_sb3.play.lower import HEURISTIC, answer_pieces
-from hexwar_sb3.play.news import has_news
 from hexwar_sb3.play.records import EARLY_TICKS, EXTERNAL, JUMPED, STEPS, WAITS
 from hexwar_sb3.rules.enums import Action
+from hexwar_sb3.tasks.execute import execute_tasks
 from hexwar_sb3.tasks.known import end_piece, first_piece
 from hexwar_sb3.tasks.records import ENDED, TaskKind
 

@@ -13,10 +13,10 @@ from hexwar_sb3.checks import check_whole
 from hexwar_sb3.engine.world import load_world
 from hexwar_sb3.maps.scenario import Scenario
 from hexwar_sb3.play.arena import Arena, Games, Setup
-from hexwar_sb3.play.fit import check_fit
-from hexwar_sb3.play.player import Player, Seat, given_name, make_player
 from hexwar_sb3.play.records import DECISION_TICKS, DRIVE
 from hexwar_sb3.play.seeds import check_seed, game_seed
+from hexwar_sb3.players.fit import check_fit
+from hexwar_sb3.players.player import Player, Seat, given_name, make_player
 from hexwar_sb3.rules.enums import Camp
 from hexwar_sb3.tasks.spots import SPOTS
 

@@ -14,9 +14,9 @@ from hexwar_sb3.engine.world import load_world
 from hexwar_sb3.maps.scenario import Scenario
 from hexwar_sb3.play.arena import Arena, Setup
 from hexwar_sb3.play.drive import make_step, next_decision, note_due, take_turn
-from hexwar_sb3.play.player import BotPlayer, Seat, make_player
 from hexwar_sb3.play.records import DECISION_TICKS, STEPS, WAITS
 from hexwar_sb3.play.seeds import check_seed, game_seed
+from hexwar_sb3.players.player import BotPlayer, Seat, make_player
 from hexwar_sb3.tasks.spots import SPOTS
 
 

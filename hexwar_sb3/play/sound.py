@@ -16,8 +16,8 @@ from hexwar_sb3.engine.sound import bounds_of
 from hexwar_sb3.engine.state import State
 from hexwar_sb3.engine.world import World
 from hexwar_sb3.kernels import Rows
+from hexwar_sb3.play.fingerprint import fingerprint
 from hexwar_sb3.play.lower import HEURISTIC
-from hexwar_sb3.play.news import fingerprint
 from hexwar_sb3.play.records import BRAIN_FIELDS, DRIVE_FIELDS, EXTERNAL
 from hexwar_sb3.rules.enums import Action, Camp, PieceType
 from hexwar_sb3.tasks.records import PLAN_FIELDS, WALKING, TaskKind

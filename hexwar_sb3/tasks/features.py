@@ -11,6 +11,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from enum import Enum
 
+from hexwar_sb3.engine.world import World
 from hexwar_sb3.rules.enums import PieceType
 from hexwar_sb3.tasks.records import TaskKind
 
@@ -251,6 +252,12 @@ def _feature_width(feature: Feature, counts: Mapping[Times, int]) -> int:
 
 def _width(groups: tuple[Group, ...], counts: Mapping[Times, int]) -> int:
     return sum(_feature_width(feature, counts) for _, feature in _walk(groups, counts))
+
+
+def camp_sizes(world: World, camp: int) -> Sizes:
+    """Widths of the arrays that a camp of this world sees."""
+    own, enemies = world.piece_names(camp), world.piece_names(1 - camp)
+    return sizes(len(own), len(enemies), len(world.scenario.points))
 
 
 ROUTE_WIDTH = sizes(1, 1, 1).route

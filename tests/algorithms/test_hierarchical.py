@@ -27,9 +27,9 @@ from hexwar_sb3.algorithms.qmix import QMIX
 from hexwar_sb3.callbacks.trial_eval import TrialEvalCallback
 from hexwar_sb3.envs.registration import make_vec_env
 from hexwar_sb3.errors import CheckpointError, ConfigError
-from hexwar_sb3.play.lower_policy import HEURISTIC_LOWER, FrozenLower, fastest_way_network
+from hexwar_sb3.evaluation.routes import RouteResult
 from hexwar_sb3.play.match import play_games
-from hexwar_sb3.play.routes import RouteResult
+from hexwar_sb3.players.frozen_lower import HEURISTIC_LOWER, FrozenLower, fastest_way_network
 from hexwar_sb3.policies.masked import MaskedDQNPolicy
 from hexwar_sb3.tasks.features import ROUTE_WIDTH
 from hexwar_sb3.tasks.route import N_ANSWERS

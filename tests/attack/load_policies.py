@@ -87,8 +87,8 @@ def weights_said(path: Path) -> dict[str, Any]:
 
 
 def policy_attempt(_: Path) -> Attempt:
-    from hexwar_sb3.play.frozen import FrozenPolicy
-    from hexwar_sb3.play.lower_policy import FrozenLower
+    from hexwar_sb3.players.frozen import FrozenPolicy
+    from hexwar_sb3.players.frozen_lower import FrozenLower
 
     env = valid.new_games(2)
     obs = {key: value.copy() for key, value in env.reset().items()}
@@ -136,7 +136,7 @@ def _check_weights(weights: Mapping[str, Any], path: Path) -> None:
 
 def lower_attempt(_: Path) -> Attempt:
     def attempt(folder: Path) -> None:
-        from hexwar_sb3.play.lower_policy import FrozenLower, make_lower
+        from hexwar_sb3.players.frozen_lower import FrozenLower, make_lower
 
         lower = make_lower(folder)
         check(isinstance(lower, FrozenLower), "no lower level came")

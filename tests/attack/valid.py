@@ -124,7 +124,7 @@ def new_masked() -> Any:
 
 def policies(root: Path) -> None:
     """A policy led by the heuristic, one with a lower level, a lower level alone, and others to take files from."""
-    from hexwar_sb3.play.lower_policy import fastest_way_network
+    from hexwar_sb3.players.frozen_lower import fastest_way_network
     from hexwar_sb3.rules.ruleset import default_rules
 
     about = {

@@ -9,8 +9,8 @@ import pytest
 
 from hexwar_sb3.engine.world import load_world
 from hexwar_sb3.play.arena import Arena, Setup
-from hexwar_sb3.play.player import make_player
 from hexwar_sb3.play.seeds import game_seed
+from hexwar_sb3.players.player import make_player
 
 
 class BotGames:

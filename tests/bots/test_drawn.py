@@ -22,7 +22,7 @@ from hexwar_sb3.evaluation.acceptance_drawn import AcceptDrawn, failures_of
 from hexwar_sb3.evaluation.seeds import Purpose, seed_for
 from hexwar_sb3.maps.files import builtin_names, load_scenario
 from hexwar_sb3.play.match import play_games
-from hexwar_sb3.play.player import BotPlayer, make_player
+from hexwar_sb3.players.player import BotPlayer, make_player
 
 ACCEPTED = Path(__file__).parents[2] / "results" / "bots" / "drawn.json"
 

@@ -19,7 +19,7 @@ from hexwar_sb3.callbacks.every import EverySteps
 from hexwar_sb3.envs.registration import make_vec_env
 from hexwar_sb3.errors import ConfigError
 from hexwar_sb3.league.distil import Lessons
-from hexwar_sb3.play.lower_policy import FrozenLower, fastest_way_network
+from hexwar_sb3.players.frozen_lower import FrozenLower, fastest_way_network
 from hexwar_sb3.policies.task_policy import TaskPolicy
 
 SHORT = Lessons(games=4, updates=60, batch_size=16, tau=0.02)

@@ -17,7 +17,7 @@ from hexwar_sb3.envs.registration import make_vec_env
 from hexwar_sb3.errors import ConfigError
 from hexwar_sb3.league.league import League
 from hexwar_sb3.league.settings import LeagueSettings
-from hexwar_sb3.play.lower_policy import FrozenLower, fastest_way_network
+from hexwar_sb3.players.frozen_lower import FrozenLower, fastest_way_network
 
 TINY = LeagueSettings(
     keep=1, iterations=1, games=2, fill_games=1, refit_games=1, match_games=1, warm_up_games=1, n_envs=2, split=True, bots=("MA1",), hidden=64, embed=32,

@@ -16,8 +16,8 @@ from hexwar_sb3.callbacks.self_play import SelfPlayCallback, frozen_copy
 from hexwar_sb3.envs.registration import make_vec_env
 from hexwar_sb3.errors import ConfigError
 from hexwar_sb3.evaluation.matches import play_match
-from hexwar_sb3.play.frozen import FrozenPolicy
-from hexwar_sb3.play.lower_policy import fastest_way_network
+from hexwar_sb3.players.frozen import FrozenPolicy
+from hexwar_sb3.players.frozen_lower import fastest_way_network
 
 SMALL: dict[str, Any] = {"learning_starts": 0, "buffer_size": 200, "batch_size": 8, "seed": 0}
 

@@ -13,7 +13,7 @@ from hexwar_sb3.commands.selfplay import SelfPlay
 from hexwar_sb3.envs.registration import make_vec_env
 from hexwar_sb3.league.member import as_member
 from hexwar_sb3.league.settings import LeagueSettings
-from hexwar_sb3.play.frozen import FrozenPolicy
+from hexwar_sb3.players.frozen import FrozenPolicy
 
 FEW = ("--keep", "1", "--iterations", "1", "--games", "2", "--match-games", "1", "--warm-up-games", "2")
 

@@ -29,8 +29,8 @@ from hexwar_sb3.errors import ConfigError
 from hexwar_sb3.evaluation.history import History
 from hexwar_sb3.evaluation.panel import CONSTANT_PLANS
 from hexwar_sb3.maps.files import load_scenario, save_scenario
-from hexwar_sb3.play.frozen import FrozenPolicy
-from hexwar_sb3.play.lower_policy import fastest_way_network
+from hexwar_sb3.players.frozen import FrozenPolicy
+from hexwar_sb3.players.frozen_lower import fastest_way_network
 from hexwar_sb3.rules.enums import PieceType
 
 Command = Callable[..., tuple[int, str, str]]

@@ -25,8 +25,8 @@ from hexwar_sb3.envs.registration import make_vec_env
 from hexwar_sb3.envs.route_env import RouteEnv
 from hexwar_sb3.envs.task_env import TaskEnv
 from hexwar_sb3.kernels import COMPILED, READ, counts
-from hexwar_sb3.play.lower_policy import fastest_way_network
-from hexwar_sb3.play.player import Player, make_player
+from hexwar_sb3.players.frozen_lower import fastest_way_network
+from hexwar_sb3.players.player import Player, make_player
 
 WAYS: dict[str, Callable[[Any], Any]] = {
     "copy.deepcopy": copy.deepcopy,

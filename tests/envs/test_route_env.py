@@ -20,7 +20,7 @@ from hexwar_sb3.envs.route_games import RouteGames
 from hexwar_sb3.envs.route_settings import route_settings
 from hexwar_sb3.envs.route_vec_env import RouteVecEnv
 from hexwar_sb3.errors import ConfigError, HexWarError, UnknownNameError
-from hexwar_sb3.play.lower_policy import FORMAT, SIZES, FrozenLower
+from hexwar_sb3.players.frozen_lower import FORMAT, SIZES, FrozenLower
 from hexwar_sb3.rules.enums import PieceType
 from hexwar_sb3.tasks.features import PER_DETOUR, PER_HOP, index
 from hexwar_sb3.tasks.records import ENDED, TaskKind

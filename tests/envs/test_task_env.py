@@ -20,7 +20,7 @@ from hexwar_sb3.envs.registration import TASK_ENV, make_vec_env
 from hexwar_sb3.envs.task_env import TaskEnv
 from hexwar_sb3.envs.task_vec_env import TaskVecEnv
 from hexwar_sb3.errors import ConfigError, UnknownNameError
-from hexwar_sb3.play.lower_policy import FORMAT, SIZES, FrozenLower
+from hexwar_sb3.players.frozen_lower import FORMAT, SIZES, FrozenLower
 
 SHORT = 300  # Delta-t: a game in six decisions
 

@@ -7,7 +7,7 @@ import numpy as np
 from hexwar_sb3.engine.world import load_world
 from hexwar_sb3.envs.settings import TaskSettings
 from hexwar_sb3.envs.task_games import TaskGames
-from hexwar_sb3.play.warm import WARM_TICKS, hull_cells
+from hexwar_sb3.play.warm_start import WARM_TICKS, hull_cells
 from hexwar_sb3.rules.enums import Camp
 from hexwar_sb3.tasks.spots import load_spots
 

@@ -17,7 +17,7 @@ from hexwar_sb3.evaluation.jobs import run_jobs
 from hexwar_sb3.evaluation.matches import play_match
 from hexwar_sb3.evaluation.panel import Terms
 from hexwar_sb3.evaluation.tournament import Match, Meeting, fingerprint, play_meetings, single_round_robin
-from hexwar_sb3.play.frozen import FrozenPolicy
+from hexwar_sb3.players.frozen import FrozenPolicy
 
 PLAYERS: dict[str, object] = {"MA1": "MA1", "near": "nearest", "any": "random"}
 TERMS = Terms(games=4)

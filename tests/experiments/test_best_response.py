@@ -14,8 +14,8 @@ from hexwar_sb3.commands.exploit import Exploit, in_words
 from hexwar_sb3.errors import ConfigError, FileFormatError, HexWarError
 from hexwar_sb3.experiments import best_response
 from hexwar_sb3.experiments.best_response import Response, games_until_half, read_figures, responses, summary
-from hexwar_sb3.play.frozen import FrozenPolicy
-from hexwar_sb3.play.player import make_player
+from hexwar_sb3.players.frozen import FrozenPolicy
+from hexwar_sb3.players.player import make_player
 
 SMALL: dict[str, Any] = {"games": 40, "every": 20, "eval_games": 2}
 

@@ -22,7 +22,7 @@ from hexwar_sb3.league.cai import DISTILLED, make_cai
 from hexwar_sb3.league.distil import Lessons
 from hexwar_sb3.league.member import as_member
 from hexwar_sb3.league.settings import LeagueSettings
-from hexwar_sb3.play.frozen import FrozenPolicy
+from hexwar_sb3.players.frozen import FrozenPolicy
 
 WINS = {
     "HRL0": 2,

@@ -20,7 +20,7 @@ from hexwar_sb3.league.group import train_group, with_partner
 from hexwar_sb3.league.league import League, group_name, parent_of
 from hexwar_sb3.league.settings import LeagueSettings
 from hexwar_sb3.league.work import begin
-from hexwar_sb3.play.frozen import FrozenPolicy
+from hexwar_sb3.players.frozen import FrozenPolicy
 
 BOTS = ("MA1", "drawn")  # of the tests' leagues
 

@@ -8,9 +8,9 @@ import pytest
 from hexwar_sb3.engine.world import World, load_world
 from hexwar_sb3.play.arena import Arena, Setup
 from hexwar_sb3.play.match import play_games
-from hexwar_sb3.play.player import make_player
 from hexwar_sb3.play.records import EARLY_TICKS
 from hexwar_sb3.play.seeds import game_seed
+from hexwar_sb3.players.player import make_player
 from hexwar_sb3.rules.enums import Action, Camp
 
 GAMES = 3

@@ -11,7 +11,7 @@ from hexwar_sb3.envs.parallel import parallel_env
 from hexwar_sb3.envs.registration import make_vec_env
 from hexwar_sb3.errors import CheckpointError, ConfigError
 from hexwar_sb3.play.encounters import FLOOR, Encounters
-from hexwar_sb3.play.player import make_mixture, seat_name
+from hexwar_sb3.players.player import make_mixture, seat_name
 
 
 def against(priority: float, opponent: Any, n_envs: int = 16) -> Any:

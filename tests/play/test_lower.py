@@ -22,9 +22,9 @@ from hexwar_sb3.errors import ConfigError
 from hexwar_sb3.maps.geometry import SE, E, W
 from hexwar_sb3.play.arena import Arena, Setup
 from hexwar_sb3.play.lower import HEURISTIC, KEPT, asks
-from hexwar_sb3.play.lower_policy import FORMAT, SIZES, FrozenLower, Lower, fastest_way_network
-from hexwar_sb3.play.player import make_player
 from hexwar_sb3.play.seeds import game_seed
+from hexwar_sb3.players.frozen_lower import FORMAT, SIZES, FrozenLower, Lower, fastest_way_network
+from hexwar_sb3.players.player import make_player
 from hexwar_sb3.policies.masked import MaskedDQNPolicy, freeze_lower
 from hexwar_sb3.rules.enums import Camp
 from hexwar_sb3.tasks.choose import assign

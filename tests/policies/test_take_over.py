@@ -9,7 +9,7 @@ import torch
 from hexwar_sb3.algorithms.qmix import QMIX
 from hexwar_sb3.envs.registration import make_vec_env
 from hexwar_sb3.errors import ConfigError
-from hexwar_sb3.play.frozen import FrozenPolicy
+from hexwar_sb3.players.frozen import FrozenPolicy
 
 
 def model(seed: int = 0, **widths: int) -> QMIX:

@@ -16,9 +16,9 @@ from hexwar_sb3.engine.step import has_orders, next_due, process
 from hexwar_sb3.engine.text import parse_board
 from hexwar_sb3.engine.world import World, load_world
 from hexwar_sb3.kernels import Row
-from hexwar_sb3.play.execute import execute_tasks
 from hexwar_sb3.rules.enums import Action, Camp
 from hexwar_sb3.tasks.choose import assign, choose_tasks, new_plans
+from hexwar_sb3.tasks.execute import execute_tasks
 from hexwar_sb3.tasks.features import index, sizes
 from hexwar_sb3.tasks.observe import observe
 from hexwar_sb3.tasks.records import MAX_TASKS, TASK, TaskKind

@@ -17,7 +17,7 @@ from hexwar_sb3.cli import main
 from hexwar_sb3.evaluation.panel import play_panel
 from hexwar_sb3.evaluation.seeds import Purpose
 from hexwar_sb3.folders import LOCK
-from hexwar_sb3.play.frozen import FrozenPolicy
+from hexwar_sb3.players.frozen import FrozenPolicy
 from hexwar_sb3.tuning.final import compare
 from hexwar_sb3.tuning.store import JOURNAL
 from hexwar_sb3.tuning.study import StudySpec, begin, best_trial, known_spec

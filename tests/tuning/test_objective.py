@@ -16,7 +16,7 @@ from hexwar_sb3.algorithms.presets import PRESETS
 from hexwar_sb3.commands.tune import Tune
 from hexwar_sb3.errors import ConfigError
 from hexwar_sb3.evaluation.opponents import broad_mixture
-from hexwar_sb3.play.frozen import FrozenPolicy
+from hexwar_sb3.players.frozen import FrozenPolicy
 from hexwar_sb3.tuning.objective import FORCE, Common, new_model, objective, train_once
 from hexwar_sb3.tuning.space import PAPER, Point
 from tests.tuning.conftest import SMALL

@@ -21,7 +21,7 @@ from optuna.trial import TrialState
 from hexwar_sb3.algorithms.preset_file import load_preset, save_preset
 from hexwar_sb3.algorithms.presets import PRESETS
 from hexwar_sb3.errors import ConfigError, UnknownNameError
-from hexwar_sb3.play.frozen import FrozenPolicy
+from hexwar_sb3.players.frozen import FrozenPolicy
 from hexwar_sb3.tuning.objective import Common
 from hexwar_sb3.tuning.study import StudySpec, begin, known_spec, run_study
 from hexwar_sb3.tuning.workers import AGAIN, WORKER, bury, ended

@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 from hexwar_sb3.engine.text import parse_board
 from hexwar_sb3.engine.world import load_world
 from hexwar_sb3.errors import ConfigError
+from hexwar_sb3.evaluation.routes import LENGTHS, RouteResult, draw_routes, measure_routes
 from hexwar_sb3.maps.files import builtin_names
 from hexwar_sb3.maps.geometry import W, cells_apart
 from hexwar_sb3.maps.scenario import Scenario
-from hexwar_sb3.play.lower_policy import FORMAT, SIZES, FrozenLower, fastest_way_network
-from hexwar_sb3.play.routes import LENGTHS, RouteResult, draw_routes, measure_routes
+from hexwar_sb3.players.frozen_lower import FORMAT, SIZES, FrozenLower, fastest_way_network
 from hexwar_sb3.rules.enums import Camp, PieceType
 from hexwar_sb3.tasks.features import index
 from hexwar_sb3.tasks.route import STAY

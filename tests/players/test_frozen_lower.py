@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 from hexwar_sb3.algorithms.masked_dqn import MaskedDQN
 from hexwar_sb3.envs.route_vec_env import route_spaces
 from hexwar_sb3.errors import ConfigError, PolicyFileError, UnknownNameError
-from hexwar_sb3.play.frozen import FrozenPolicy
-from hexwar_sb3.play.lower_policy import (
+from hexwar_sb3.players.frozen import FrozenPolicy
+from hexwar_sb3.players.frozen_lower import (
     FEATURES,
     FORMAT,
     HEURISTIC_LOWER,
@@ -28,7 +28,7 @@ from hexwar_sb3.play.lower_policy import (
     check_answers,
     make_lower,
 )
-from hexwar_sb3.play.player import make_player
+from hexwar_sb3.players.player import make_player
 from hexwar_sb3.policies.masked import MaskedDQNPolicy, freeze_lower
 from hexwar_sb3.policies.task_policy import TaskPolicy
 from hexwar_sb3.tasks.features import ROUTE_WIDTH

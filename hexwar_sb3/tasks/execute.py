@@ -20,13 +20,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from hexwar_sb3.bots.routes import heuristic_direction
 from hexwar_sb3.engine.codes import Code
 from hexwar_sb3.engine.legality import occupy_code
 from hexwar_sb3.engine.pieces import has_path, in_fight, is_settled, on_map
 from hexwar_sb3.engine.records import MAX_PIECES, NEVER, NO_CELL, NO_PIECE
 from hexwar_sb3.kernels import Row, Rows, kernel
 from hexwar_sb3.rules.enums import Action, PieceType, Weapon
+from hexwar_sb3.tasks.heuristic import heuristic_direction
 from hexwar_sb3.tasks.known import end_piece, first_piece
 from hexwar_sb3.tasks.phi import (
     give,

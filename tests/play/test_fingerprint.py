@@ -11,8 +11,8 @@ import pytest
 
 from hexwar_sb3.engine.world import load_world
 from hexwar_sb3.play.arena import Arena, Setup
-from hexwar_sb3.play.news import fingerprint
-from hexwar_sb3.play.player import make_player
+from hexwar_sb3.play.fingerprint import fingerprint
+from hexwar_sb3.players.player import make_player
 from hexwar_sb3.rules.enums import Camp
 
 RED_TANK, BLUE_TANK = 0, 7

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from hexwar_sb3.errors import ConfigError, PolicyFileError, UnknownNameError
 from hexwar_sb3.kernels import Row, Rows, kernel
-from hexwar_sb3.play.lower import HIDDEN, LOWER_NET, best_answer, route_values
-from hexwar_sb3.play.policy_files import CONFIG_FILE, PolicyFormat, Weights
+from hexwar_sb3.players.policy_files import CONFIG_FILE, PolicyFormat, Weights
+from hexwar_sb3.players.route_network import HIDDEN, LOWER_NET, best_answer, route_values
 from hexwar_sb3.tasks.features import PER_DETOUR, ROUTE, ROUTE_WIDTH, index
 from hexwar_sb3.tasks.route import N_ANSWERS, STAY
 

@@ -13,10 +13,10 @@ from hexwar_sb3.engine.world import load_world
 from hexwar_sb3.envs.registration import FLAT_ENV, make_vec_env
 from hexwar_sb3.errors import ConfigError
 from hexwar_sb3.play.arena import Arena, Setup
-from hexwar_sb3.play.flat import FlatPlayer
 from hexwar_sb3.play.lower import KEPT
 from hexwar_sb3.play.match import play_games
-from hexwar_sb3.play.player import make_player
+from hexwar_sb3.players.flat import FlatPlayer
+from hexwar_sb3.players.player import make_player
 from hexwar_sb3.tasks.records import MAX_TASKS
 from hexwar_sb3.tasks.route import N_ANSWERS
 

@@ -16,7 +16,7 @@ from hexwar_sb3.errors import ConfigError
 from hexwar_sb3.kernels import Row, Rows, kernel
 from hexwar_sb3.maps.geometry import cells_apart, frame_direction
 from hexwar_sb3.maps.scenario import PieceStart, Scenario
-from hexwar_sb3.play.lower_policy import FrozenLower, check_answers, make_lower
+from hexwar_sb3.players.frozen_lower import FrozenLower, check_answers, make_lower
 from hexwar_sb3.rules.enums import PieceType
 from hexwar_sb3.tasks.records import TaskKind
 from hexwar_sb3.tasks.route import STAY, has_way, new_route_buffers, observe_route

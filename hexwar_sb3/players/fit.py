@@ -12,11 +12,11 @@ from numpy.typing import NDArray
 from hexwar_sb3.engine.roster import camp_name
 from hexwar_sb3.engine.world import World
 from hexwar_sb3.errors import ConfigError, shortened
-from hexwar_sb3.play.flat import FlatPlayer
-from hexwar_sb3.play.frozen import FrozenPolicy
-from hexwar_sb3.play.look import camp_sizes
-from hexwar_sb3.play.player import BotPlayer, ModelPlayer, Seat, seat_name
+from hexwar_sb3.players.flat import FlatPlayer
+from hexwar_sb3.players.frozen import FrozenPolicy
+from hexwar_sb3.players.player import BotPlayer, ModelPlayer, Seat, seat_name
 from hexwar_sb3.rules.enums import Camp
+from hexwar_sb3.tasks.features import camp_sizes
 from hexwar_sb3.tasks.records import MAX_TASKS
 from hexwar_sb3.tasks.route import N_ANSWERS
 

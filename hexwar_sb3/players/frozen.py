@@ -12,10 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hexwar_sb3.errors import ConfigError, PolicyFileError
-from hexwar_sb3.play.lower_policy import FOLDER as LOWER_FOLDER
-from hexwar_sb3.play.lower_policy import HEURISTIC_LOWER, FrozenLower, Lower, make_lower
-from hexwar_sb3.play.network import Net, best_tasks
-from hexwar_sb3.play.policy_files import CONFIG_FILE, WEIGHTS_FILE, PolicyFormat, Weights, remove_policy
+from hexwar_sb3.players.frozen_lower import FOLDER as LOWER_FOLDER
+from hexwar_sb3.players.frozen_lower import HEURISTIC_LOWER, FrozenLower, Lower, make_lower
+from hexwar_sb3.players.policy_files import CONFIG_FILE, WEIGHTS_FILE, PolicyFormat, Weights, remove_policy
+from hexwar_sb3.players.task_network import Net, best_tasks
 
 HAS_LOWER = "lower"  # in the config: whether `lower/` is a part of the policy
 LAYERS: dict[str, tuple[str, ...]] = {  # Fig. 4(b)

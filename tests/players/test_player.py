@@ -10,7 +10,7 @@ import pytest
 from numpy.typing import NDArray
 
 from hexwar_sb3.errors import ConfigError, PolicyFileError, UnknownNameError
-from hexwar_sb3.play.player import (
+from hexwar_sb3.players.player import (
     ActingPlayer,
     BotPlayer,
     ModelPlayer,

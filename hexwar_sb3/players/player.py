@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 
 from hexwar_sb3.bots.registry import BOTS, as_member, is_bot
 from hexwar_sb3.errors import ConfigError, PolicyFileError, UnknownNameError, shortened
-from hexwar_sb3.play.flat import FlatPlayer, is_flat, predicted
-from hexwar_sb3.play.frozen import FrozenPolicy
-from hexwar_sb3.play.lower_policy import HEURISTIC_LOWER, Lower
+from hexwar_sb3.players.flat import FlatPlayer, is_flat, predicted
+from hexwar_sb3.players.frozen import FrozenPolicy
+from hexwar_sb3.players.frozen_lower import HEURISTIC_LOWER, Lower
 from hexwar_sb3.rules.ruleset import default_rules
 
 Observation: TypeAlias = Mapping[str, NDArray[Any]]

@@ -19,11 +19,11 @@ from hexwar_sb3.envs.task_env import TaskEnv
 from hexwar_sb3.errors import ConfigError
 from hexwar_sb3.evaluation.matches import play_match
 from hexwar_sb3.maps.scenario import Scenario
-from hexwar_sb3.play.fit import why_unfit
-from hexwar_sb3.play.frozen import FrozenPolicy
 from hexwar_sb3.play.match import play_games
-from hexwar_sb3.play.player import POLICIES, make_player
 from hexwar_sb3.play.recording import record_game
+from hexwar_sb3.players.fit import why_unfit
+from hexwar_sb3.players.frozen import FrozenPolicy
+from hexwar_sb3.players.player import POLICIES, make_player
 from hexwar_sb3.tasks.features import sizes
 from hexwar_sb3.tasks.records import MAX_TASKS
 from hexwar_sb3.tasks.route import N_ANSWERS

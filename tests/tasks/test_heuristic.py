@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pytest
 
-from hexwar_sb3.bots.routes import GOOD_LEVEL, heuristic_direction, right_place
 from hexwar_sb3.engine.fire import level_between
 from hexwar_sb3.maps.geometry import NO_DIRECTION, E, W, cells_apart
 from hexwar_sb3.rules.enums import PieceType, Weapon
+from hexwar_sb3.tasks.heuristic import GOOD_LEVEL, heuristic_direction, right_place
 from hexwar_sb3.tasks.records import TaskKind
 from hexwar_sb3.tasks.travel import UNREACHABLE, next_direction, travel_ticks
 

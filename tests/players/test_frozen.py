@@ -17,9 +17,9 @@ from gymnasium import spaces
 from numpy.typing import NDArray
 
 from hexwar_sb3.errors import ConfigError, HexWarError, PolicyFileError
-from hexwar_sb3.play.frozen import FrozenPolicy
-from hexwar_sb3.play.lower_policy import FrozenLower, fastest_way_network
-from hexwar_sb3.play.player import make_player
+from hexwar_sb3.players.frozen import FrozenPolicy
+from hexwar_sb3.players.frozen_lower import FrozenLower, fastest_way_network
+from hexwar_sb3.players.player import make_player
 from hexwar_sb3.policies.task_policy import TaskPolicy
 
 PIECES, TASKS, OBS, TASK = 3, 6, 9, 4

@@ -13,17 +13,11 @@ from hexwar_sb3.kernels import Row, Rows, kernel
 from hexwar_sb3.maps.cells import NO_CELL
 from hexwar_sb3.play.drive import ended_tasks
 from hexwar_sb3.tasks.choose import choose_tasks
-from hexwar_sb3.tasks.features import Sizes, sizes
+from hexwar_sb3.tasks.features import camp_sizes
 from hexwar_sb3.tasks.observe import global_state, observe
 from hexwar_sb3.tasks.records import MAX_TASKS, TASK
 from hexwar_sb3.tasks.route import STAY, observe_route
 from hexwar_sb3.tasks.sets import list_tasks
-
-
-def camp_sizes(world: World, camp: int) -> Sizes:
-    """Widths of the arrays that a camp of this world sees."""
-    own, enemies = world.piece_names(camp), world.piece_names(1 - camp)
-    return sizes(len(own), len(enemies), len(world.scenario.points))
 
 
 class Sight:

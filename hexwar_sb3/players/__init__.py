@@ -1,0 +1,1 @@
+"""Who plays: bots, policy folders, models and callables; no game is played here."""
