@@ -12,7 +12,6 @@ from stable_baselines3.common.vec_env import VecEnv
 from hexwar_sb3.algorithms.qmix import QMIX
 from hexwar_sb3.envs.settings import TaskSettings
 from hexwar_sb3.errors import ConfigError
-from hexwar_sb3.evaluation.panel import Terms
 from hexwar_sb3.folders import holding
 from hexwar_sb3.league.league import League
 from hexwar_sb3.league.member import BOTH, CAMPS, as_member
@@ -78,13 +77,7 @@ class GroupedSelfPlayCallback(BaseCallback):
     def _play(self, model: QMIX, played: TaskSettings) -> None:
         own = self.folder / "learner"
         if not (self.folder / "league.json").exists():  # else it has begun, with the learner as it was then
-            terms = Terms(
-                scenario=self.settings.scenario,
-                decision_ticks=played.decision_ticks,
-                spots=played.spots,
-                early=played.decisions == "event",
-            )
-            as_member(model, side=played.side, **terms.about()).save(own)
+            as_member(model, side=played.side, **played.about()).save(own)
         league = League.create(self.folder, self.settings, {"learner": own, **self.starters})
         league.run(self.jobs, after=lambda k: self._log(league, k))
         last = league.kept(self.settings.iterations)

@@ -11,8 +11,7 @@ from stable_baselines3.common.vec_env import VecEnv
 
 from hexwar_sb3.algorithms.qmix import QMIX
 from hexwar_sb3.callbacks.every import EverySteps
-from hexwar_sb3.checks import check_whole
-from hexwar_sb3.envs.settings import check_share
+from hexwar_sb3.checks import check_share, check_whole
 from hexwar_sb3.errors import ConfigError
 from hexwar_sb3.players.frozen import FrozenPolicy
 from hexwar_sb3.players.player import ModelPlayer, Player, with_weight

@@ -10,7 +10,8 @@ from hexwar_sb3.algorithms.qmix import QMIX
 from hexwar_sb3.callbacks.curve import draw_curve
 from hexwar_sb3.callbacks.every import EverySteps
 from hexwar_sb3.evaluation.history import History
-from hexwar_sb3.evaluation.panel import Terms, play_panel
+from hexwar_sb3.evaluation.matches import Evaluation
+from hexwar_sb3.evaluation.panel import play_panel
 
 
 class WinRateCallback(EverySteps):
@@ -22,7 +23,7 @@ class WinRateCallback(EverySteps):
     Args:
         every: env steps between two evaluations.
         opponents: names or folders.
-        terms: of the games; their purpose is selection.
+        evaluation: how they are played; their purpose is selection.
         folder: gets `evaluations.npz`, `learning_curve.png`, `best_model.zip` and `policy/`, the best one.
         about: texts for `policy/config.json`.
         threads: opponents side by side.
@@ -32,7 +33,7 @@ class WinRateCallback(EverySteps):
         self,
         every: int,
         opponents: Sequence[str],
-        terms: Terms,
+        evaluation: Evaluation,
         *,
         folder: Path,
         about: Mapping[str, str] | None = None,
@@ -40,7 +41,12 @@ class WinRateCallback(EverySteps):
     ) -> None:
         super().__init__(every)
         self.threads = threads
-        self.opponents, self.terms, self.folder, self.about = opponents, terms, folder, dict(about or {})
+        self.opponents, self.evaluation, self.folder, self.about = (
+            opponents,
+            evaluation,
+            folder,
+            dict(about or {}),
+        )
         self.history = History()
 
     def _on_training_start(self) -> None:
@@ -67,7 +73,7 @@ class WinRateCallback(EverySteps):
         """Evaluate, record, draw, and save the model if it is the best so far."""
         best = max((result.mean_margin.value for result in self.history.results), default=float("-inf"))
         player, now = self.player(), self.now()
-        panel = play_panel(player, self.opponents, self.terms, name="trained", threads=self.threads)
+        panel = play_panel(player, self.opponents, self.evaluation, name="trained", threads=self.threads)
         result = self.history.add(now, self.ticks(), panel)
         self.logger.record("eval/win_rate", result.win_rate.value)
         self.logger.record("eval/mean_margin", result.mean_margin.value)

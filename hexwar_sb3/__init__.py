@@ -41,6 +41,7 @@ if TYPE_CHECKING:  # for type checkers and editors; `_HOMES` says the same to Py
     from hexwar_sb3.maps.files import load_map as load_map
     from hexwar_sb3.maps.files import load_scenario as load_scenario
     from hexwar_sb3.players.frozen import FrozenPolicy as FrozenPolicy
+    from hexwar_sb3.players.terms import Terms as Terms
 
 _HOMES = {
     "Decompress": "engine.orders",
@@ -66,6 +67,7 @@ _HOMES = {
     "Shoot": "engine.orders",
     "SideView": "engine.view",
     "Stop": "engine.orders",
+    "Terms": "players.terms",
     "load_map": "maps.files",
     "load_scenario": "maps.files",
     "make_vec_env": "envs.registration",

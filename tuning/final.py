@@ -126,8 +126,8 @@ def _train(one: Finalist) -> None:
 
 def _play(one: Finalist, games: int) -> Panel:
     common, preset = one.spec.common, load_preset(one.spec.preset).changed(one.point)
-    terms = replace(common.terms(preset, games, one.seed), purpose=Purpose.REPORT)
-    return play_panel(str(one.policy), common.panel, terms, name=one.label)
+    how = replace(common.evaluation(preset, games, one.seed), purpose=Purpose.REPORT)
+    return play_panel(str(one.policy), common.panel, how, name=one.label)
 
 
 def _differences(pairs: Mapping[int, Pair]) -> dict[str, Any]:

@@ -15,17 +15,18 @@ from hexwar_sb3.algorithms.hierarchical import LOWER_DEFAULTS, HierarchicalQMIX
 from hexwar_sb3.algorithms.presets import Preset
 from hexwar_sb3.callbacks.shares import shares_of
 from hexwar_sb3.checks import check_whole
+from hexwar_sb3.engine.roster import SIDES
 from hexwar_sb3.engine.world import load_world
 from hexwar_sb3.envs.registration import TASK_ENV, make_vec_env
 from hexwar_sb3.errors import ConfigError
+from hexwar_sb3.evaluation.matches import Evaluation
 from hexwar_sb3.evaluation.opponents import broad_mixture, with_weights
-from hexwar_sb3.evaluation.panel import Terms, play_panel
+from hexwar_sb3.evaluation.panel import play_panel
 from hexwar_sb3.evaluation.results import CampResult
 from hexwar_sb3.evaluation.seeds import Purpose, seed_for
 from hexwar_sb3.league.work import one_thread
 from hexwar_sb3.players.frozen import FrozenPolicy
 
-FORCE = 134  # points that the pieces of a camp are worth: a margin of it counts as 1
 LOWER_TICKS = 7_500_000  # game ticks that the lower level's schedules are made for
 PANEL = ("MA1", "MA2", "nearest", "two-hold", "drawn", "HRL0")
 
@@ -77,26 +78,24 @@ class Common:
         return self.trainings * (self.lower_ticks + self.upper_ticks)
 
     @property
+    def force(self) -> float:
+        """Points that the pieces of a camp are worth, mean of both: a margin of it counts as 1."""
+        world = load_world(self.scenario)
+        return fmean(world.force(camp) for camp in SIDES)
+
+    @property
     def games(self) -> int:
         """That the upper level's ticks make in a training."""
         return self.upper_ticks // load_world(self.scenario).scenario.game_ticks
 
-    def terms(self, preset: Preset, games: int, seed: int) -> Terms:
-        """Of games that judge."""
-        return Terms(
-            scenario=self.scenario,
-            games=games,
-            seed=seed,
-            purpose=Purpose.TUNING,
-            decision_ticks=preset.decision_ticks,
-            spots=preset.env.get("spots", Terms.spots),
-            early=preset.env.get("decisions") == "event",
-        )
+    def evaluation(self, preset: Preset, games: int, seed: int) -> Evaluation:
+        """Games that judge."""
+        return Evaluation(terms=preset.terms(self.scenario), games=games, seed=seed, purpose=Purpose.TUNING)
 
     def judge(self, policy: FrozenPolicy, preset: Preset, seed: int) -> CampResult:
         """Play the panel in both colours."""
         return play_panel(
-            policy, self.panel, self.terms(preset, self.final_games, seed), name="training"
+            policy, self.panel, self.evaluation(preset, self.final_games, seed), name="training"
         ).total
 
 
@@ -162,12 +161,12 @@ def train_once(
         finally:
             spent(model.game_ticks)
         rules = load_world(common.scenario).ruleset.hash
-        terms = common.terms(preset, common.final_games, seed)
-        policy = model.policy.freeze(**terms.about(), rules=rules, side="both", seed=str(seed))
+        about = preset.terms(common.scenario).about()
+        policy = model.policy.freeze(**about, rules=rules, side="both", seed=str(seed))
         policy.save(folder)
         result = common.judge(policy, preset, seed)
     return Training(
-        margin=result.mean_margin.value / FORCE,
+        margin=result.mean_margin.value / common.force,
         win_rate=result.win_rate.value,
         points_held=float(result.points_held.mean()),
         agreement=model.leader_agreement,
@@ -181,22 +180,17 @@ def check(preset: Preset, common: Common) -> None:
         ConfigError: a setting is out of its range, or a player does not fit the scenario; and as `make_player`.
     """
     new_model(preset, common, common.seed)
-    common.terms(preset, 1, common.seed).check_fit((*with_weights(common.opponents), *common.panel))
+    common.evaluation(preset, 1, common.seed).check_fit((*with_weights(common.opponents), *common.panel))
 
 
 def new_model(preset: Preset, common: Common, seed: int) -> HierarchicalQMIX:
     """A beginner whose lower level learns first, and leads whatever it has learned."""
     env = make_vec_env(
         TASK_ENV,
-        n_envs=preset.n_envs,
         seed=seed_for(Purpose.TRAINING, seed),
-        scenario=common.scenario,
         side="both",
         opponent=list(with_weights(common.opponents).items()),
-        decision_ticks=preset.decision_ticks,
-        demo_bot="MA2",
-        privileged_state=True,
-        **preset.env,
+        **preset.env_for(common.scenario),
     )
     shorter = common.lower_ticks / LOWER_TICKS
     schedules = {

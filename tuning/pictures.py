@@ -20,7 +20,7 @@ from hexwar_sb3.tuning.space import short
 
 LEAST_FOR_IMPORTANCES = 4  # completed trials
 PANELS_A_ROW = 4
-REACHED = "mean margin / 134"
+REACHED = "mean margin / force"
 
 
 def draw_study(study: optuna.Study, folder: Path) -> list[Path]:

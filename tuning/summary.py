@@ -61,7 +61,7 @@ def in_words(figures: Mapping[str, Any], lay_out: LayOut) -> str:
     cost = f"{ticks / 1e6:.1f} million ticks, {100 * saved:.0f} % saved by pruning"
     return "\n\n".join(
         [
-            lay_out(("trial", "state", *names, "margin / 134", "win rate", "trainings", ""), rows),
+            lay_out(("trial", "state", *names, "margin / force", "win rate", "trainings", ""), rows),
             f"{count}; {cost}; {figures['minutes']:.1f} core-minutes",
             "\n".join(figures["pictures"]),
         ]

@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hexwar_sb3.algorithms.td_targets import DECISION_TICKS, row_discount
+from hexwar_sb3.algorithms.td_targets import row_discount
+from hexwar_sb3.players.terms import DECISION_TICKS
 
 
 class GameLog:

@@ -44,6 +44,7 @@ from hexwar_sb3.envs.snapshots import placed
 from hexwar_sb3.errors import CheckpointError, ConfigError
 from hexwar_sb3.evaluation.routes import measure_routes
 from hexwar_sb3.players.frozen_lower import HEURISTIC_LOWER, FrozenLower, Lower
+from hexwar_sb3.players.terms import Terms
 from hexwar_sb3.policies.masked import MaskedDQNPolicy, freeze_lower
 from hexwar_sb3.policies.task_policy import TaskPolicy
 
@@ -67,8 +68,8 @@ PLAIN_GAMMA = 0.98  # where the reward has no potential, a far goal must be wort
 LOWER_ENVS = 384  # games of the route env side by side, over its maps: many, for a map's step costs Python
 TEST_ROUTES = 50  # of each piece, to see whether the lower level may lead
 SHARED_SETTINGS = (
-    *("scenario", "side", "opponent", "reward"),
-    *("decision_ticks", "decisions", "spots", "fog"),
+    *Terms.__dataclass_fields__,
+    *("side", "opponent", "reward"),
 )
 ROUTE_KWARGS = Parts(
     {

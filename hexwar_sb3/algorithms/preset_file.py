@@ -101,8 +101,9 @@ def check_preset(preset: Preset) -> None:
         ConfigError: a number is out of its range.
         UnknownNameError: a choice that does not exist.
     """
+    from hexwar_sb3.checks import check_share
     from hexwar_sb3.envs.route_settings import RouteSettings
-    from hexwar_sb3.envs.settings import TaskSettings, check_share
+    from hexwar_sb3.envs.settings import TaskSettings
 
     check_whole("decision_ticks", preset.decision_ticks, least=1, most=MAX_GAME_TICKS)
     check_whole("n_envs", preset.n_envs, least=1, most=MOST["n_envs"])

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from pathlib import Path
 from typing import Any
 
 from hexwar_sb3.engine.world import load_world
-from hexwar_sb3.maps.scenario import Scenario
-from hexwar_sb3.play.records import DECISION_TICKS
+from hexwar_sb3.maps.scenario import ScenarioLike
+from hexwar_sb3.players.terms import DECISION_TICKS, Terms
 from hexwar_sb3.tasks.hotspots import is_mirrored
 
 Settings = dict[str, Any]
@@ -75,7 +74,17 @@ class Preset:
                 new[name] = value
         return replace(self, **new)
 
-    def learner_for(self, games: int, scenario: str | Path | Scenario) -> Settings:
+    def terms(self, scenario: ScenarioLike) -> Terms:
+        """How games of this preset are played on a map."""
+        own = {name: value for name, value in self.env.items() if name in Terms.__dataclass_fields__}
+        return Terms(scenario=scenario, decision_ticks=self.decision_ticks, **own)
+
+    def env_for(self, scenario: ScenarioLike) -> Settings:
+        """Settings of the task env on a map, for a learner that a bot may show how it plays."""
+        own = {"demo_bot": "MA2", "privileged_state": True}
+        return {"n_envs": self.n_envs, **own, **self.env, **self.terms(scenario).settings}
+
+    def learner_for(self, games: int, scenario: ScenarioLike) -> Settings:
         """Arguments of QMIX for a training of so many games on a map.
 
         On a map that is its own mirror image the networks do not see which camp they play, unless the preset says so.

@@ -14,9 +14,10 @@ from numpy.typing import NDArray
 from torch import Tensor
 
 from hexwar_sb3.algorithms.parts import FLAGS, MOST_REWARD, Joined, check_box, check_flags
-from hexwar_sb3.algorithms.td_targets import DECISION_TICKS, n_step_return, row_discount
+from hexwar_sb3.algorithms.td_targets import n_step_return, row_discount
 from hexwar_sb3.engine.fields import check_all, check_form, check_names, check_range, refuse
 from hexwar_sb3.errors import ConfigError, TrainingError
+from hexwar_sb3.players.terms import DECISION_TICKS
 from hexwar_sb3.policies.shapes import TaskShapes
 from hexwar_sb3.policies.task_sets import TaskSets, pack_observation
 

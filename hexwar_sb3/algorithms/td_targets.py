@@ -6,7 +6,7 @@ import torch
 from jaxtyping import Bool, Float
 from torch import Tensor
 
-DECISION_TICKS = 75  # gamma is the discount of this many ticks (Δt of the paper)
+from hexwar_sb3.players.terms import DECISION_TICKS
 
 
 def row_discount(gamma: float, ticks: float) -> float:

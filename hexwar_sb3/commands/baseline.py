@@ -27,14 +27,15 @@ from hexwar_sb3.commands.output import compile_first
 from hexwar_sb3.commands.page import TRAINED, write_page
 from hexwar_sb3.commands.run_folder import RunFolder
 from hexwar_sb3.commands.settings import ConstantPlans, ScenarioName, Seed, check_name
-from hexwar_sb3.engine.world import load_world
 from hexwar_sb3.envs.registration import make_vec_env
 from hexwar_sb3.errors import ConfigError
+from hexwar_sb3.evaluation.matches import Evaluation
 from hexwar_sb3.evaluation.opponents import named, with_weights
-from hexwar_sb3.evaluation.panel import BOTS, CONSTANT_PLANS, Terms
+from hexwar_sb3.evaluation.panel import BOTS, CONSTANT_PLANS
 from hexwar_sb3.evaluation.seeds import Purpose, seed_for
 from hexwar_sb3.files import replacing
 from hexwar_sb3.folders import holding
+from hexwar_sb3.players.terms import DECISION_TICKS, Terms
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -50,7 +51,7 @@ class Baseline:
     seed: Seed = 0
     scenario: ScenarioName = "plain"
     opponents: tuple[str, ...] = BOTS  # each game draws one
-    decision_ticks: int = 75
+    decision_ticks: int = DECISION_TICKS
     n_envs: int = 16  # games side by side
     reward: Literal["paper", "net"] = "net"  # margin by eq. (1), or own minus enemy
     reward_scale: float = 50.0  # points that count as 1
@@ -86,7 +87,7 @@ class Baseline:
         torch.set_num_threads(1)  # its networks are too small for more
         model = self.new_model()
         compile_first()
-        self.terms().check_opponents(named(self.opponents))
+        self.evaluation().check_opponents(named(self.opponents))
         folder = RunFolder.new(self.runs, self.name)
         with holding(folder.path, "run"):
             return self._train(model, folder)
@@ -102,7 +103,7 @@ class Baseline:
         _, text = write_page(
             folder,
             self.players(folder),
-            self.terms(Purpose.REPORT),
+            self.evaluation(Purpose.REPORT),
             title=title,
             n_timesteps=self.games * self.decisions,
             minutes=(monotonic() - start) / 60,
@@ -125,7 +126,7 @@ class Baseline:
         save_whole(model, untrained(folder))
         model.set_logger(configure(str(folder.path), ["csv"]))
         watch = GamesWinRate(
-            self.decisions, self.eval_freq, named(self.opponents), self.terms(), folder=folder.path
+            self.decisions, self.eval_freq, named(self.opponents), self.evaluation(), folder=folder.path
         )
         try:
             callback = CallbackList([*self.watchers(), watch, UntilGames(self.games)])
@@ -144,30 +145,28 @@ class Baseline:
             self.env,
             self.n_envs,
             seed_for(Purpose.TRAINING, self.seed),
-            scenario=self.scenario,
             side="both",
             opponent=list(with_weights(self.opponents).items()),
-            decision_ticks=self.decision_ticks,
+            **self.terms.settings,
             reward=self.reward,
             **self.env_settings,
         )
         return ScaledGames(env, self.reward_scale)
 
-    def terms(self, purpose: Purpose = Purpose.SELECTION) -> Terms:
+    @property
+    def terms(self) -> Terms:
+        """How its games are played."""
+        return Terms(scenario=self.scenario, decision_ticks=self.decision_ticks)
+
+    def evaluation(self, purpose: Purpose = Purpose.SELECTION) -> Evaluation:
         """Say how it is measured: while it learns, or on the page at the end."""
         games = self.eval_games if purpose == Purpose.SELECTION else self.final_games
-        return Terms(
-            scenario=self.scenario,
-            games=games,
-            seed=self.seed,
-            purpose=purpose,
-            decision_ticks=self.decision_ticks,
-        )
+        return Evaluation(terms=self.terms, games=games, seed=self.seed, purpose=purpose)
 
     @property
     def decisions(self) -> int:
         """Decisions of a game: env steps of the task env."""
-        return load_world(self.scenario).scenario.game_ticks // self.decision_ticks
+        return self.terms.env_steps(1)
 
 
 class ScaledGames(VecEnvWrapper):
@@ -207,7 +206,7 @@ class GamesWinRate(WinRateCallback):
 
     def ticks(self) -> int:
         """Game ticks of the finished games."""
-        return self.now() * self.terms.decision_ticks
+        return self.now() * self.evaluation.terms.decision_ticks
 
     def player(self) -> Any:
         """The model itself plays."""

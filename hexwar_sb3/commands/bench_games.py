@@ -17,11 +17,12 @@ from hexwar_sb3.engine.world import World, load_world
 from hexwar_sb3.envs.registration import make_vec_env
 from hexwar_sb3.kernels import Row, Rows, kernel
 from hexwar_sb3.maps.geometry import NO_DIRECTION
-from hexwar_sb3.play.arena import Arena, Setup
+from hexwar_sb3.play.arena import Arena
 from hexwar_sb3.play.match import play_games
 from hexwar_sb3.play.sight import Sight
 from hexwar_sb3.players.frozen_lower import HEURISTIC_LOWER, fastest_way_network
 from hexwar_sb3.players.player import make_player
+from hexwar_sb3.players.terms import Terms
 from hexwar_sb3.rules.enums import Action, Camp
 from hexwar_sb3.tasks.travel import next_direction
 
@@ -65,7 +66,7 @@ def best(measure: Round, rounds: int) -> float:
 
 def tasks_round(world: World, seed: int) -> tuple[float, float]:
     """Play games in which both camps pick random tasks; only engine, routes and task execution are timed."""
-    arena = Arena(world, GAMES, Setup())
+    arena = Arena(world, GAMES, Terms())
     for b in range(GAMES):
         arena.begin(b, seed * GAMES + b, None, None)
     sights = [Sight(world, camp, GAMES) for camp in (Camp.RED, Camp.BLUE)]
@@ -93,13 +94,13 @@ def choose_randomly(
 def bots_round(scenario: str, seed: int) -> tuple[float, float]:
     """Play MA1 against MA2, whole games."""
     start = process_time()
-    outcome = play_games("MA1", "MA2", GAMES, scenario, seed)
+    outcome = play_games("MA1", "MA2", GAMES, Terms(scenario=scenario), seed)
     return float(outcome.ticks.sum()), process_time() - start
 
 
 def thought_us(world: World) -> float:
     """Play MA1 against MA2, and measure the median process time of a regular thought, in microseconds."""
-    arena, first = Arena(world, 1, Setup()), np.array([0])
+    arena, first = Arena(world, 1, Terms()), np.array([0])
     arena.begin(0, 0, make_player("MA1"), make_player("MA2"))
     arena.drives.asked[0] = 1  # stops at every regular thought
     repeat_thought(1, Camp.RED, Bot.ATTACK, *_thinker(arena))  # compiles

@@ -12,6 +12,7 @@ import tyro
 from hexwar_sb3.commands.output import compile_first, print_json
 from hexwar_sb3.commands.settings import Json, Seed
 from hexwar_sb3.errors import ConfigError
+from hexwar_sb3.evaluation.matches import Evaluation
 from hexwar_sb3.evaluation.seeds import Purpose, seed_for
 
 if TYPE_CHECKING:
@@ -44,12 +45,13 @@ class Distill:
         from hexwar_sb3.algorithms.qmix import QMIX
         from hexwar_sb3.commands.selfplay import policy_folder
         from hexwar_sb3.envs.registration import make_vec_env
-        from hexwar_sb3.evaluation.panel import CAMPS, Terms, trained_terms
+        from hexwar_sb3.evaluation.matches import CAMPS
         from hexwar_sb3.folders import holding
         from hexwar_sb3.league.distil import Lessons, distill
         from hexwar_sb3.league.member import as_member
         from hexwar_sb3.league.work import env_settings
         from hexwar_sb3.players.frozen import FrozenPolicy
+        from hexwar_sb3.players.terms import trained_terms
         from hexwar_sb3.rules.ruleset import default_rules
 
         lessons = Lessons(games=self.games, epsilon=self.epsilon, updates=self.updates, tau=self.tau)
@@ -62,10 +64,11 @@ class Distill:
         if any(other != found[0] for other in found):
             raise ConfigError(f"the teachers were trained in different ways: {found}")
         side = self.side or common_side(teachers, self.teachers)
-        terms = Terms(**found[0], camps=CAMPS if side == "both" else (side,))
+        terms, camps = found[0], CAMPS if side == "both" else (side,)
+        how = Evaluation(terms=terms, camps=camps)
         compile_first(*self.opponents, scenario=terms.scenario)
-        terms.check_fit(teachers, terms.camps)
-        terms.check_opponents(self.opponents)
+        how.check_fit(teachers, camps)
+        how.check_opponents(self.opponents)
         env = {**env_settings(terms, N_ENVS), "side": side, "opponent": list(self.opponents)}
         student = QMIX(
             "TaskPolicy",

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Annotated, Literal, TypeVar
+from typing import Annotated, Any, Literal, TypeVar
 
 import tyro
 
@@ -19,6 +19,8 @@ from hexwar_sb3.commands.output import (
 )
 from hexwar_sb3.commands.settings import ConstantPlans, DecisionTicks, Games, Json, ScenarioName, Seed
 from hexwar_sb3.errors import ConfigError
+from hexwar_sb3.evaluation.matches import Evaluation
+from hexwar_sb3.players.terms import DECISION_TICKS, Terms
 
 PLAYER = "a bot's name, a run folder or a policy folder"
 T = TypeVar("T")
@@ -45,23 +47,26 @@ class Evaluate:
 
     def run(self) -> int:
         """Play, then print the table."""
-        from hexwar_sb3.evaluation.matches import player_name
-        from hexwar_sb3.evaluation.panel import CAMPS, CONSTANT_PLANS, Terms, play_panel, trained_terms
+        from hexwar_sb3.evaluation.matches import CAMPS, player_name
+        from hexwar_sb3.evaluation.panel import CONSTANT_PLANS, play_panel
         from hexwar_sb3.evaluation.provenance import provenance
+        from hexwar_sb3.players.terms import trained_terms
 
         if not self.opponents:
             raise ConfigError("name at least one opponent")
-        given = {"scenario": self.scenario, "decision_ticks": self.decision_ticks}
-        how = trained_terms(self.player) | {name: value for name, value in given.items() if value is not None}
+        given: dict[str, Any] = {"scenario": self.scenario, "decision_ticks": self.decision_ticks}
+        terms = replace(
+            trained_terms(self.player), **{name: value for name, value in given.items() if value is not None}
+        )
         camps = CAMPS if self.side == "both" else (self.side,)
-        terms = Terms(games=self.games, seed=self.seed, camps=camps, **how)
+        how = Evaluation(terms=terms, games=self.games, seed=self.seed, camps=camps)
         compile_first(self.player, *self.opponents, scenario=terms.scenario)
-        terms.check_fit([self.player], camps)
-        terms.check_opponents(self.opponents)
+        how.check_fit([self.player], camps)
+        how.check_opponents(self.opponents)
         players = [self.player, *(CONSTANT_PLANS if self.constant_plans else ())]
-        with games_bar(len(players) * len(self.opponents) * len(terms.camps) * self.games) as progress:
+        with games_bar(len(players) * len(self.opponents) * len(camps) * self.games) as progress:
             panels = [
-                play_panel(player, self.opponents, terms, name=player_name(player), progress=progress)
+                play_panel(player, self.opponents, how, name=player_name(player), progress=progress)
                 for player in players
             ]
         rows = [row for panel in panels for row in panel.summary()]
@@ -81,24 +86,22 @@ class Match:
     scenario: ScenarioName = "plain"
     games: Games = 2000
     seed: Seed = 0
-    decision_ticks: DecisionTicks = 75
+    decision_ticks: DecisionTicks = DECISION_TICKS
     record: Path | None = None  # file (*.hwr) that gets the first game
     json: Json = False
 
     def run(self) -> int:
         """Play, then print what both camps reached."""
-        from hexwar_sb3.evaluation.panel import Terms
         from hexwar_sb3.evaluation.provenance import provenance
 
-        terms = Terms(
-            scenario=self.scenario, games=self.games, seed=self.seed, decision_ticks=self.decision_ticks
-        )
+        terms = Terms(scenario=self.scenario, decision_ticks=self.decision_ticks)
+        how = Evaluation(terms=terms, games=self.games, seed=self.seed)
         if self.record is not None and self.record.is_dir():
             raise ConfigError(f"--record {self.record} is a folder; name a file, for example game.hwr")
         compile_first(self.red, self.blue, scenario=self.scenario)
-        match = terms.play(self.red, self.blue)
+        match = how.play(self.red, self.blue)
         if self.record is not None:
-            terms.record(self.red, self.blue).save(self.record)
+            how.record(self.red, self.blue).save(self.record)
         summary = match.summary()
         if self.json:
             print_json({**summary, **provenance(self.scenario)})

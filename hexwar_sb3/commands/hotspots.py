@@ -14,6 +14,7 @@ import tyro
 from hexwar_sb3.commands.output import compile_first, games_bar, print_json, table
 from hexwar_sb3.commands.settings import Json, ScenarioName, Seed
 from hexwar_sb3.errors import ConfigError
+from hexwar_sb3.players.terms import Terms
 
 if TYPE_CHECKING:
     from hexwar_sb3.engine.replay import Replay
@@ -105,7 +106,7 @@ class Hotspots:
         seed = seed_for(Purpose.TRAINING, self.seed)
         for red, blue in self._pairs():
             for episode in range(self.games):
-                yield record_game(red, blue, self.scenario, seed, episode=episode)
+                yield record_game(red, blue, Terms(scenario=self.scenario), seed, episode=episode)
 
     def _paths(self) -> Iterator[Path]:
         for path in self.files:

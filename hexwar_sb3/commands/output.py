@@ -12,6 +12,8 @@ from typing import Any
 
 from tqdm import tqdm
 
+from hexwar_sb3.maps.scenario import ScenarioLike
+
 COUNTS = ("games", "won/drawn/lost", "win rate, %", "mean margin", "points held")
 
 
@@ -22,7 +24,7 @@ def games_bar(games: int) -> Iterator[Callable[[int], object]]:
         yield bar.update
 
 
-def compile_first(*players: str, scenario: str = "plain") -> None:
+def compile_first(*players: str, scenario: ScenarioLike = "plain") -> None:
     """Compile the game unless that was done before, and say so: it takes a while and shows nothing else.
 
     Args:

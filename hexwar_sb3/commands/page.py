@@ -10,10 +10,12 @@ from hexwar_sb3.bots.registry import BOTS as BOTS_BY_NAME
 from hexwar_sb3.commands.output import as_json, games_bar, panel_table, table
 from hexwar_sb3.commands.run_folder import RunFolder, write_text
 from hexwar_sb3.evaluation.intervals import Estimate, paired_interval
+from hexwar_sb3.evaluation.matches import Evaluation
 from hexwar_sb3.evaluation.opponents import broad_mixture, with_weights
-from hexwar_sb3.evaluation.panel import BOTS, CONSTANT_PLANS, Panel, Terms, play_panel
+from hexwar_sb3.evaluation.panel import BOTS, CONSTANT_PLANS, Panel, play_panel
 from hexwar_sb3.evaluation.provenance import provenance
 from hexwar_sb3.league.cost import peak_mb
+from hexwar_sb3.maps.scenario import ScenarioLike
 from hexwar_sb3.players.frozen import FrozenPolicy
 from hexwar_sb3.players.player import POLICIES, seat_name
 
@@ -30,7 +32,7 @@ OTHERS_SHARE = 4  # of its games against MA1 and MA2
 def write_page(
     folder: RunFolder,
     players: Mapping[str, object],
-    terms: Terms,
+    evaluation: Evaluation,
     *,
     title: str,
     n_timesteps: int,
@@ -45,27 +47,29 @@ def write_page(
     Args:
         folder: of the run.
         players: by the name of the row; one is "trained".
-        terms: of the games.
+        evaluation: how they are measured.
         title: what was trained on what.
         n_timesteps: env steps of the training.
         minutes: wall time of the training.
         met: who was met in it (`met_by`).
         threads: cells side by side.
     """
-    fewer = replace(terms, games=max(1, terms.games // OTHERS_SHARE))
-    strangers = others_on(terms.scenario)
-    games = len(players) * len(BOTS) * terms.games + len(strangers) * fewer.games
-    with games_bar(games * len(terms.camps)) as progress:
+    fewer = replace(evaluation, games=max(1, evaluation.games // OTHERS_SHARE))
+    strangers = others_on(evaluation.terms.scenario)
+    games = len(players) * len(BOTS) * evaluation.games + len(strangers) * fewer.games
+    with games_bar(games * len(evaluation.camps)) as progress:
         how: Any = {"threads": threads, "progress": progress}
-        panels = {name: play_panel(player, BOTS, terms, name=name, **how) for name, player in players.items()}
+        panels = {
+            name: play_panel(player, BOTS, evaluation, name=name, **how) for name, player in players.items()
+        }
         others = play_panel(players[TRAINED], strangers, fewer, name=TRAINED, **how)
     rows = [row for panel in panels.values() for row in panel.summary()]
     figures = {
         "command": (folder.path / "command.txt").read_text(encoding="utf-8").strip(),
-        "seed": terms.seed,
+        "seed": evaluation.seed,
         "n_timesteps": n_timesteps,
-        "games": terms.games,
-        **provenance(terms.scenario),
+        "games": evaluation.games,
+        **provenance(evaluation.terms.scenario),
         "minutes": minutes,
         "peak_mb": peak_mb(),
         "rows": rows,
@@ -85,7 +89,7 @@ def write_page(
     return figures, text
 
 
-def others_on(scenario: str) -> tuple[str, ...]:
+def others_on(scenario: ScenarioLike) -> tuple[str, ...]:
     """Further players that can play a map, scripted and learned."""
     return (*OTHERS, *(name for name in with_weights(broad_mixture(scenario)) if name in POLICIES))
 

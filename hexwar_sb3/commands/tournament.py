@@ -13,10 +13,10 @@ from hexwar_sb3.commands.output import as_json, compile_first, print_json, table
 from hexwar_sb3.commands.run_folder import write_text
 from hexwar_sb3.commands.settings import Games, Json, Seed, check_jobs, check_name
 from hexwar_sb3.errors import ConfigError
+from hexwar_sb3.evaluation.matches import Evaluation
 
 if TYPE_CHECKING:
     from hexwar_sb3.evaluation.intervals import Estimate
-    from hexwar_sb3.evaluation.panel import Terms
     from hexwar_sb3.evaluation.tournament import Table
 
 PLAYERS = "bots' names, run folders or policy folders; NAME=PLAYER calls it NAME"
@@ -53,13 +53,13 @@ class Tournament:
         check_jobs("jobs", self.jobs)
         if len({Path(scenario).name for scenario in self.scenarios}) < len(self.scenarios):
             raise ConfigError(f"two scenarios have one name: {', '.join(self.scenarios)}")
-        terms = self._terms(players)
+        how = self._evaluation(players)
         for scenario in self.scenarios:
             compile_first(*players.values(), scenario=scenario)
-            replace(terms, scenario=scenario).check_fit(players.values())
+            replace(how, terms=replace(how.terms, scenario=scenario)).check_fit(players.values())
         meetings = single_round_robin(list(players), self.scenarios, mirror=self.mirror)
         with holding(self.output, "tournament"):
-            found = play_meetings(meetings, players, players, terms, self.output / "matches", jobs=self.jobs)
+            found = play_meetings(meetings, players, players, how, self.output / "matches", jobs=self.jobs)
             figures = {"players": players, "elo": _elo(found), "matches": list(found.rows.values())}
             write_text(self.output / "table.json", as_json(figures) + "\n")
             text = in_words(found, list(players))
@@ -71,23 +71,27 @@ class Tournament:
             print(text, f"\npicture: {self.output / 'tournament.png'}")
         return 0
 
-    def _terms(self, players: Mapping[str, str]) -> Terms:
-        """Terms of all matches.
+    def _evaluation(self, players: Mapping[str, str]) -> Evaluation:
+        """How all matches are played.
 
         Raises:
             ConfigError: two policies were trained with other task sets or decision points.
         """
         from hexwar_sb3.bots.registry import is_bot
-        from hexwar_sb3.evaluation.panel import Terms, trained_terms
+        from hexwar_sb3.evaluation.matches import Evaluation
+        from hexwar_sb3.players.terms import USUAL, trained_terms
 
-        shared: dict[str, Any] = {}
-        for name, player in players.items():
-            for key, value in {} if is_bot(player) else trained_terms(player).items():
-                if key in ("spots", "early") and shared.setdefault(key, value) != value:
+        trained = {name: trained_terms(player) for name, player in players.items() if not is_bot(player)}
+        shared = next(iter(trained.values()), USUAL)
+        for name, own in trained.items():
+            for key in ("spots", "decisions"):
+                if getattr(own, key) != getattr(shared, key):
                     raise ConfigError(
-                        f"{name} was trained with {key} {value}, others with {shared[key]}: they cannot meet"
+                        f"{name} was trained with {key} {getattr(own, key)}, others with {getattr(shared, key)}:"
+                        " they cannot meet"
                     )
-        return Terms(games=self.games, seed=self.seed, **shared)
+        terms = replace(USUAL, spots=shared.spots, decisions=shared.decisions)
+        return Evaluation(terms=terms, games=self.games, seed=self.seed)
 
 
 def named(players: tuple[str, ...]) -> dict[str, str]:

@@ -35,7 +35,7 @@ class Train(TrainSettings):
         # A wrong setting shows here, before anything is compiled or written.
         model = new_model(self, make_env(self))
         compile_first()
-        self.terms().check_opponents(self.named_opponents)
+        self.evaluation().check_opponents(self.named_opponents)
         folder = RunFolder.new(self.runs, self.name)
         with holding(folder.path, "run"):
             folder.write_config(replace(self, opponents=self.met), " ".join(["hexwar", *sys.argv[1:]]))

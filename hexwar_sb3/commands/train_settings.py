@@ -24,7 +24,8 @@ LOWER_SCENARIOS = (*builtin_names(), "hills@1", "hills@2", "hills@3", "hills@4",
 LEARNED = "learned"  # `lower`: the model's own
 LOWERS = (LEARNED, "heuristic")
 if TYPE_CHECKING:
-    from hexwar_sb3.evaluation.panel import Terms
+    from hexwar_sb3.evaluation.matches import Evaluation
+    from hexwar_sb3.players.terms import Terms
 
 Steps = Annotated[
     int, tyro.conf.arg(aliases=("-n",), help="env steps: decisions of the camp, 24 make a game")
@@ -119,20 +120,21 @@ class TrainSettings:
     progress: Annotated[bool, tyro.conf.arg(aliases=("-P",))] = False  # show a progress bar
     json: Json = False
 
-    def terms(self, games: int | None = None, purpose: Purpose = Purpose.REPORT) -> Terms:
-        """Say how this commander is measured: by default as on the page at the end."""
-        from hexwar_sb3.evaluation.panel import CAMPS, Terms
+    @property
+    def terms(self) -> Terms:
+        """How its games are played."""
+        return self.chosen.terms(self.scenario)
 
-        env = self.env
-        return Terms(
-            scenario=self.scenario,
+    def evaluation(self, games: int | None = None, purpose: Purpose = Purpose.REPORT) -> Evaluation:
+        """Say how this commander is measured: by default as on the page at the end."""
+        from hexwar_sb3.evaluation.matches import CAMPS, Evaluation
+
+        return Evaluation(
+            terms=self.terms,
             games=games or self.final_games,
             seed=self.seed,
             purpose=purpose,
-            decision_ticks=self.chosen.decision_ticks,
             camps=CAMPS if self.side == "both" else (self.side,),
-            spots=env.get("spots", Terms.spots),
-            early=env.get("decisions") == "event",
         )
 
     def check(self) -> None:
@@ -145,7 +147,7 @@ class TrainSettings:
             if getattr(self, name) < 1:
                 raise ConfigError(f"{name} must be at least 1, got {getattr(self, name)}")
         for games in (self.eval_games, self.final_games):
-            self.terms(games)  # which checks the seed, too
+            self.evaluation(games)  # which checks the seed, too
         check_name("name", self.name)
         self._check_lower()
         check_preset(self.chosen)
@@ -177,9 +179,7 @@ class TrainSettings:
     @property
     def games(self) -> int:
         """Games that the env steps make."""
-        from hexwar_sb3.engine.world import load_world
-
-        return self.n_timesteps * self.chosen.decision_ticks // load_world(self.scenario).scenario.game_ticks
+        return self.n_timesteps // self.terms.env_steps(1)
 
     def value(self, name: str) -> Any:
         """A setting of the preset itself, unless it was given."""
@@ -203,8 +203,8 @@ class TrainSettings:
 
     @property
     def env(self) -> dict[str, Any]:
-        """Settings of the task env."""
-        return self.chosen.env
+        """Settings of the task env, apart from who plays."""
+        return {**self.chosen.env_for(self.scenario), "side": self.side, "demo_bot": self.demo_bot}
 
     @property
     def route(self) -> dict[str, Any]:

@@ -61,7 +61,9 @@ def train(settings: TrainSettings, model: QMIX, folder: RunFolder) -> int:
     model.save(folder.model)
     del model.replay_buffer  # 1 GB that the games of the page can have
     opponent = settings.named_opponents[0]
-    write_games(folder.policy, opponent, settings.terms(), folder.replays, f"against_{Path(opponent).name}")
+    write_games(
+        folder.policy, opponent, settings.evaluation(), folder.replays, f"against_{Path(opponent).name}"
+    )
     title = (
         f'What was learned on "{settings.scenario}", seed {settings.seed}:'
         f" {settings.n_timesteps:,} env steps against {', '.join(settings.met)}"
@@ -69,7 +71,7 @@ def train(settings: TrainSettings, model: QMIX, folder: RunFolder) -> int:
     figures, text = write_page(
         folder,
         players_of(settings, folder),
-        settings.terms(),
+        settings.evaluation(),
         title=title,
         n_timesteps=settings.n_timesteps,
         minutes=(monotonic() - start) / 60 + folder.minutes_before(),
@@ -131,15 +133,9 @@ def make_env(settings: TrainSettings) -> VecEnv:
     """Make the games that the model learns from."""
     return make_vec_env(
         "HexWarTask-v0",
-        n_envs=settings.value("n_envs"),
         seed=seed_for(Purpose.TRAINING, settings.seed),
-        scenario=settings.scenario,
-        side=settings.side,
         opponent=[one for one in with_weights(settings.met).items() if one[0] != SELF],
-        decision_ticks=settings.value("decision_ticks"),
         lower=HEURISTIC_LOWER if settings.value("lower") == LEARNED else settings.value("lower"),
-        demo_bot=settings.demo_bot,
-        privileged_state=True,
         **settings.env,
     )
 
@@ -200,14 +196,14 @@ def check_device(name: str) -> None:
 def about(settings: TrainSettings) -> dict[str, str]:
     """Say in a policy folder what it was trained on."""
     rules = load_world(settings.scenario).ruleset.hash
-    return {"rules": rules, "side": settings.side, "seed": str(settings.seed), **settings.terms().about()}
+    return {"rules": rules, "side": settings.side, "seed": str(settings.seed), **settings.terms.about()}
 
 
 def watchers(settings: TrainSettings, folder: RunFolder, threads: int = 1) -> list[BaseCallback]:
     """Build the callbacks that look at the training."""
-    terms = settings.terms(games=settings.eval_games, purpose=Purpose.SELECTION)
+    evaluation = settings.evaluation(games=settings.eval_games, purpose=Purpose.SELECTION)
     how: Any = {"folder": folder.path, "about": about(settings), "threads": threads}
-    win_rate = WinRateCallback(settings.eval_freq, settings.named_opponents, terms, **how)
+    win_rate = WinRateCallback(settings.eval_freq, settings.named_opponents, evaluation, **how)
     bar = [ProgressBar(settings.n_timesteps)] if settings.progress else []
     return [*shares_of(settings.chosen, settings.games), *self_play(settings, folder), win_rate, *bar]
 

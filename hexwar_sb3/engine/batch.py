@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import fields
-from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
@@ -20,7 +19,7 @@ from hexwar_sb3.engine.step import advance
 from hexwar_sb3.engine.view import SideView, side_view
 from hexwar_sb3.engine.world import load_world
 from hexwar_sb3.kernels import Row, Rows, kernel
-from hexwar_sb3.maps.scenario import Scenario
+from hexwar_sb3.maps.scenario import ScenarioLike
 from hexwar_sb3.rules import RuleSet
 
 
@@ -35,7 +34,7 @@ class Engine:
     """
 
     def __init__(
-        self, scenario: str | Path | Scenario = "plain", n_games: int = 1, ruleset: RuleSet | None = None
+        self, scenario: ScenarioLike = "plain", n_games: int = 1, ruleset: RuleSet | None = None
     ) -> None:
         self.world = load_world(scenario, ruleset)
         self.roster = Roster(self.world.scenario)

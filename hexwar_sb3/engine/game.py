@@ -6,7 +6,6 @@ import warnings
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from copy import copy
-from pathlib import Path
 
 import numpy as np
 
@@ -27,7 +26,7 @@ from hexwar_sb3.engine.view import SideView, side_view
 from hexwar_sb3.engine.world import load_world
 from hexwar_sb3.errors import OrderError
 from hexwar_sb3.kernels import Row, Rows
-from hexwar_sb3.maps.scenario import Scenario
+from hexwar_sb3.maps.scenario import ScenarioLike
 from hexwar_sb3.rules import RuleSet
 from hexwar_sb3.rules.enums import Camp
 
@@ -57,7 +56,7 @@ class Game:
     """
 
     def __init__(
-        self, scenario: str | Path | Scenario = "plain", seed: int = 0, ruleset: RuleSet | None = None
+        self, scenario: ScenarioLike = "plain", seed: int = 0, ruleset: RuleSet | None = None
     ) -> None:
         self.world = load_world(scenario, ruleset)
         self.roster = Roster(self.world.scenario)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -13,7 +12,7 @@ import numpy.typing as npt
 
 from hexwar_sb3.kernels import Rows
 from hexwar_sb3.maps.files import load_scenario
-from hexwar_sb3.maps.scenario import Scenario
+from hexwar_sb3.maps.scenario import Scenario, ScenarioLike
 from hexwar_sb3.maps.terrain import Terrain
 from hexwar_sb3.rules import RuleSet, default_rules
 from hexwar_sb3.rules.enums import Camp
@@ -75,8 +74,13 @@ class World:
         """Names of a camp's pieces in slot order: "tank0", ..."""
         return tuple(piece.name for piece in self.scenario.pieces[self.side(camp)])
 
+    def force(self, camp: int) -> int:
+        """What the pieces of a camp are worth at the start, points."""
+        rows = (self.ruleset.pieces[piece.kind] for piece in self.scenario.pieces[self.side(camp)])
+        return sum(row.value * row.blood for row in rows)
 
-def load_world(scenario: str | Path | Scenario, ruleset: RuleSet | None = None) -> World:
+
+def load_world(scenario: ScenarioLike, ruleset: RuleSet | None = None) -> World:
     """The world of a scenario by name, file or object.
 
     Raises:

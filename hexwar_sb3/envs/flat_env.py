@@ -8,8 +8,8 @@ import gymnasium
 import numpy as np
 from numpy.typing import NDArray
 
+from hexwar_sb3.checks import check_choice
 from hexwar_sb3.envs.flat_games import FlatGames, flat_settings, flat_spaces
-from hexwar_sb3.envs.settings import check_choice
 
 
 class FlatEnv(gymnasium.Env[NDArray[Any], np.int64]):

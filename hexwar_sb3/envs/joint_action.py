@@ -10,7 +10,7 @@ from gymnasium import spaces
 from numpy.typing import NDArray
 from pettingzoo import ParallelEnv
 
-from hexwar_sb3.envs.settings import check_choice
+from hexwar_sb3.checks import check_choice
 from hexwar_sb3.errors import ConfigError, shortened
 from hexwar_sb3.players.fit import check_actions
 

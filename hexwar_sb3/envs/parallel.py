@@ -10,10 +10,11 @@ from gymnasium import spaces
 from numpy.typing import NDArray
 from pettingzoo import ParallelEnv
 
+from hexwar_sb3.checks import check_choice
 from hexwar_sb3.engine.roster import SIDES, camp_name, parse_camp
 from hexwar_sb3.engine.world import load_world
-from hexwar_sb3.envs.settings import TaskSettings, check_choice, task_settings
-from hexwar_sb3.envs.task_games import Obs, box_of, check_pieces, fitting_mixture, setup_of
+from hexwar_sb3.envs.settings import TaskSettings, task_settings
+from hexwar_sb3.envs.task_games import Obs, box_of, check_pieces, fitting_mixture
 from hexwar_sb3.errors import ConfigError, UnknownNameError
 from hexwar_sb3.play.arena import Arena
 from hexwar_sb3.play.encounters import Encounters
@@ -51,7 +52,7 @@ class TaskParallelEnv(ParallelEnv[str, Obs, int]):  # type: ignore[misc]  # Pett
         self.mixture = fitting_mixture(settings.opponent, world, rivals)
         self.encounters = Encounters(len(self.mixture.players), settings.priority)
         self._opponent = 0  # of this game, its place in the mixture
-        self.arena, self._net = Arena(world, 1, setup_of(settings)), settings.reward == "net"
+        self.arena, self._net = Arena(world, 1, settings), settings.reward == "net"
         self.sights = {
             camp: Sight(world, camp, 1, dtype=settings.dtype, with_state=True) for camp in self.camps
         }

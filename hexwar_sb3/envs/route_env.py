@@ -8,9 +8,9 @@ import gymnasium
 import numpy as np
 from numpy.typing import NDArray
 
+from hexwar_sb3.checks import check_choice
 from hexwar_sb3.envs.route_settings import route_settings
 from hexwar_sb3.envs.route_vec_env import Obs, RouteVecEnv, route_spaces
-from hexwar_sb3.envs.settings import check_choice
 
 
 class RouteEnv(gymnasium.Env[Obs, np.int64]):

@@ -14,11 +14,12 @@ from numpy.typing import NDArray
 from hexwar_sb3.engine.fields import check_all, check_form, check_names, check_range
 from hexwar_sb3.engine.records import NEVER, NO_CELL, NO_PIECE
 from hexwar_sb3.engine.roster import parse_camp
-from hexwar_sb3.envs.route_settings import RANDOM_UPPER, Field, RouteSettings
+from hexwar_sb3.envs.route_settings import RANDOM_UPPER, RouteSettings
 from hexwar_sb3.envs.task_games import CAMPS_OF, TaskGames
 from hexwar_sb3.envs.turns import NO_FOCUS, send_away, take_turns
 from hexwar_sb3.errors import ConfigError
 from hexwar_sb3.kernels import Rows
+from hexwar_sb3.maps.scenario import ScenarioLike
 from hexwar_sb3.play.arena import Games, Snapshot
 from hexwar_sb3.play.seeds import rng_array, rng_state
 from hexwar_sb3.players.fit import check_fit, check_tasks
@@ -85,7 +86,7 @@ class RouteGames:
         seed: of the episodes.
     """
 
-    def __init__(self, n_games: int, settings: RouteSettings, scenario: Field, seed: int) -> None:
+    def __init__(self, n_games: int, settings: RouteSettings, scenario: ScenarioLike, seed: int) -> None:
         self.settings, self.n_games = settings, n_games
         self.tasks = TaskGames(n_games, settings.task_settings(scenario), seed)
         check_leader(self.tasks.lower)

@@ -4,45 +4,31 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from hexwar_sb3.checks import check_whole
-from hexwar_sb3.envs.settings import (
-    DECISIONS,
-    REWARDS,
-    SIDES,
-    TaskSettings,
-    check_choice,
-    check_flag,
-    check_number,
-    check_scenario,
-    check_share,
-    checked_settings,
-)
+from hexwar_sb3.checks import check_choice, check_flag, check_number, check_share
+from hexwar_sb3.envs.settings import TaskSettings
 from hexwar_sb3.errors import ConfigError
-from hexwar_sb3.maps.scenario import Scenario
-from hexwar_sb3.play.records import DECISION_TICKS
-from hexwar_sb3.tasks.spots import SPOTS
+from hexwar_sb3.maps.scenario import ScenarioLike
+from hexwar_sb3.players.terms import USUAL, checked_settings
 
 RANDOM_UPPER = "random"
 BETA_PER = ("base_hop", "hop")
-Field = str | Path | Scenario
 
 
 @dataclass(frozen=True, kw_only=True)
 class RouteSettings:
     """What `HexWarRoute-v0` can be told; every value is checked here. Equation (5): r_L = r_task + alpha r_Sigma - beta."""
 
-    scenario: Field | Sequence[Field] = (
+    scenario: ScenarioLike | Sequence[ScenarioLike] = (
         "plain"  # name, file or object; of several, the games are dealt out in turn
     )
     side: str = "both"  # the learner's camp; "both": red in even games, blue in odd ones
     opponent: object = "MA1"  # a player, a list of them, or a list of (player, weight)
-    decision_ticks: int = DECISION_TICKS  # Delta-t, ticks
+    decision_ticks: int = USUAL.decision_ticks  # Delta-t, ticks
     upper: object = RANDOM_UPPER  # gives the tasks: random valid ones, or a policy of the task level
     keep_task: float = (
         0.9  # probability that a piece keeps its task at a decision, whatever the upper level says
@@ -66,9 +52,9 @@ class RouteSettings:
         0.99  # discount of a base hop in the potential of the reward, see `potential`; 0: no potential
     )
     reward: str = "net"  # r_Sigma: own minus enemy, or "paper": the margin by eq. (1)
-    decisions: str = "fixed"  # "event": tasks are also given after an own loss or an ended task
-    spots: int = SPOTS  # k of G^L(k): cells that tasks lead to beside the control points
-    fog: bool = True  # False: lights on, for debugging
+    decisions: str = USUAL.decisions  # "event": tasks are also given after an own loss or an ended task
+    spots: int = USUAL.spots  # k of G^L(k): cells that tasks lead to beside the control points
+    fog: bool = USUAL.fog  # False: lights on, for debugging
 
     def __post_init__(self) -> None:
         """Check the ranges.
@@ -77,27 +63,21 @@ class RouteSettings:
             ConfigError: a setting is out of its range.
             UnknownNameError: a choice that does not exist.
         """
+        if not self.fields:
+            raise ConfigError("name at least one scenario")
         for field in self.fields:
-            check_scenario(field)
-        check_choice("side", self.side, SIDES)
-        check_choice("reward", self.reward, REWARDS)
-        check_choice("decisions", self.decisions, DECISIONS)
+            self.task_settings(field)  # which checks what it takes from here
         check_choice("beta_per", self.beta_per, BETA_PER)
         check_share("keep_task", self.keep_task)
         check_share("wander", self.wander)
-        check_whole("decision_ticks", self.decision_ticks, least=1)
-        check_whole("spots", self.spots, least=0)
         check_share("shaping", self.shaping)
         if not check_number("gain_limit", self.gain_limit) > 0.0:
             raise ConfigError(f"gain_limit must be above 0 points, got {self.gain_limit!r}")
         check_alpha_beta(self.alpha, self.beta)
         check_flag("ways", self.ways)
-        check_flag("fog", self.fog)
-        if not self.fields:
-            raise ConfigError("name at least one scenario")
 
     @property
-    def fields(self) -> tuple[Field, ...]:
+    def fields(self) -> tuple[ScenarioLike, ...]:
         """The scenarios, one or more."""
         several = isinstance(self.scenario, list | tuple)
         return tuple(self.scenario) if several else (self.scenario,)  # type: ignore[arg-type, return-value]
@@ -123,19 +103,12 @@ class RouteSettings:
         """The reward has a potential: it needs the fastest ways and a cost by time."""
         return self.shaping > 0.0 and self.ways and self.beta_per == "base_hop"
 
-    def task_settings(self, scenario: Field) -> TaskSettings:
+    def task_settings(self, scenario: ScenarioLike) -> TaskSettings:
         """Settings of the games of one scenario."""
-        return TaskSettings(
-            scenario=scenario,
-            side=self.side,
-            opponent=self.opponent,
-            decision_ticks=self.decision_ticks,
-            lower=self.lower,
-            reward=self.reward,
-            decisions=self.decisions,
-            spots=self.spots,
-            fog=self.fog,
-        )
+        shared = {
+            name: getattr(self, name) for name in vars(self) if name in TaskSettings.__dataclass_fields__
+        }
+        return TaskSettings(**{**shared, "scenario": scenario})
 
 
 def check_alpha_beta(alpha: float, beta: float) -> None:

@@ -9,7 +9,8 @@ import numpy as np
 from gymnasium import spaces
 from numpy.typing import NDArray
 
-from hexwar_sb3.envs.settings import check_choice, task_settings
+from hexwar_sb3.checks import check_choice
+from hexwar_sb3.envs.settings import task_settings
 from hexwar_sb3.envs.task_games import Obs, TaskGames, action_space, observation_space
 from hexwar_sb3.players.frozen_lower import Lower
 

@@ -21,7 +21,7 @@ from hexwar_sb3.envs.settings import TaskSettings
 from hexwar_sb3.envs.snapshots import check_games, check_opponents, check_origin, check_seats
 from hexwar_sb3.errors import ConfigError, shortened
 from hexwar_sb3.kernels import Rows
-from hexwar_sb3.play.arena import Arena, Games, Setup, Snapshot
+from hexwar_sb3.play.arena import Arena, Games, Snapshot
 from hexwar_sb3.play.encounters import Encounters
 from hexwar_sb3.play.records import EXTERNAL
 from hexwar_sb3.play.seeds import chosen_seed, episode_draw, game_seed
@@ -76,7 +76,7 @@ class TaskGames:
         self.lower = make_lower(settings.lower)
         self.demo_bot = _demo_bot(settings.demo_bot)
         self.demo_share, self.warm_start = settings.demo_share, settings.warm_start
-        self.arena = Arena(load_world(settings.scenario), n_games, setup_of(settings))
+        self.arena = Arena(load_world(settings.scenario), n_games, settings)
         check_pieces(self.arena.world)
         self.mixture = fitting_mixture(settings.opponent, self.arena.world, self._rival_camps)
         self.encounters = Encounters(len(self.mixture.players), settings.priority)
@@ -414,16 +414,6 @@ def _demo_bot(name: str | None) -> BotPlayer | None:
     if not isinstance(bot, BotPlayer):
         raise ConfigError(f"demo_bot is a bot, which runs in the drive loop; got {shortened(repr(name))}")
     return bot
-
-
-def setup_of(settings: TaskSettings) -> Setup:
-    """How an arena plays under these settings."""
-    return Setup(
-        decision_ticks=(settings.decision_ticks, settings.decision_ticks),
-        early=settings.decisions == "event",
-        spots=settings.spots,
-        fog=settings.fog,
-    )
 
 
 def _label(seat: Seat) -> str:

@@ -9,8 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 from stable_baselines3.common.vec_env.base_vec_env import VecEnvStepReturn
 
+from hexwar_sb3.checks import check_share
 from hexwar_sb3.envs.native_vec_env import NativeVecEnv
-from hexwar_sb3.envs.settings import TaskSettings, check_share
+from hexwar_sb3.envs.settings import TaskSettings
 from hexwar_sb3.envs.task_games import Obs, Span, TaskGames, action_space, observation_space
 from hexwar_sb3.play.arena import Snapshot
 from hexwar_sb3.players.frozen_lower import Lower

@@ -17,12 +17,14 @@ import numpy as np
 import tyro
 
 from hexwar_sb3.evaluation.intervals import wilson
-from hexwar_sb3.evaluation.panel import CAMPS, CONSTANT_PLANS
+from hexwar_sb3.evaluation.matches import CAMPS
+from hexwar_sb3.evaluation.panel import CONSTANT_PLANS
 from hexwar_sb3.evaluation.provenance import provenance
 from hexwar_sb3.evaluation.seeds import Purpose, seed_for
 from hexwar_sb3.files import replacing
 from hexwar_sb3.maps.files import builtin_names
 from hexwar_sb3.play.match import MatchGames, play_games
+from hexwar_sb3.players.terms import Terms
 from hexwar_sb3.rules.enums import Action, Camp
 
 FULL_PLAYERS = ("MA1", "MA2")
@@ -59,7 +61,9 @@ class Accept:
         counted = dict.fromkeys(FULL_PLAYERS, 0)
         for red, blue in pairings():
             games = self.games * (2 if red == blue else 1)
-            outcome = play_games(red, blue, games, scenario, seed_for(Purpose.REPORT, self.seed))
+            outcome = play_games(
+                red, blue, games, Terms(scenario=scenario), seed_for(Purpose.REPORT, self.seed)
+            )
             rows.append(figures_of(red, blue, outcome))
             for camp, player in ((Camp.RED, red), (Camp.BLUE, blue)):
                 if player in FULL_PLAYERS:

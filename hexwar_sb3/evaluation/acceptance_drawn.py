@@ -22,6 +22,7 @@ from hexwar_sb3.evaluation.provenance import provenance
 from hexwar_sb3.evaluation.seeds import Purpose, seed_for
 from hexwar_sb3.maps.files import builtin_names
 from hexwar_sb3.play.match import play_games
+from hexwar_sb3.players.terms import Terms
 from hexwar_sb3.rules.enums import Action
 
 REAL = 0.30  # win rate against "nearest" from which a member is a real opponent
@@ -63,17 +64,17 @@ class AcceptDrawn:
 
     def accept(self, family: str, scenario: str) -> dict[str, Any]:
         """Figures of a family on a map."""
-        seed = seed_for(Purpose.REPORT, self.seed)
+        seed, terms = seed_for(Purpose.REPORT, self.seed), Terms(scenario=scenario)
         rates = []
         used = np.zeros(len(Action))
         for member in range(1, self.members + 1):
-            red = play_games(f"{family}:{member}", "nearest", self.games, scenario, seed)
-            blue = play_games("nearest", f"{family}:{member}", self.games, scenario, seed)
+            red = play_games(f"{family}:{member}", "nearest", self.games, terms, seed)
+            blue = play_games("nearest", f"{family}:{member}", self.games, terms, seed)
             rates.append(float((red.win.mean() + 1 - blue.win.mean()) / 2))
             used += (red.actions[:, 0] > 0).sum(axis=0) + (blue.actions[:, 1] > 0).sum(axis=0)
         n_games = 2 * self.games * self.members
         others = {
-            opponent: play_games(family, opponent, self.games * 10, scenario, seed)
+            opponent: play_games(family, opponent, self.games * 10, terms, seed)
             for opponent in ("random", "MA1", "MA2")
         }
         return {

@@ -9,6 +9,7 @@ from math import isfinite
 
 from hexwar_sb3.errors import ConfigError
 from hexwar_sb3.maps.files import load_scenario
+from hexwar_sb3.maps.scenario import Scenario, ScenarioLike
 from hexwar_sb3.rules.enums import Camp
 
 OPPONENTS = ("MA1=6", "MA2=6", "drawn=3", "nearest", "defender", "all-main", "half-half")
@@ -18,7 +19,7 @@ SELF = "self"  # an opponent of a training: copies of what it was before
 WEIGHT = re.compile(r"(.+)=([0-9.]+(?:[eE][-+]?[0-9]+)?)", re.DOTALL)
 
 
-def broad_mixture(scenario: str) -> tuple[str, ...]:
+def broad_mixture(scenario: ScenarioLike) -> tuple[str, ...]:
     """Opponents of a training where none is named; the trained policy is among them where it fits.
 
     Raises:
@@ -33,9 +34,9 @@ def broad_mixture(scenario: str) -> tuple[str, ...]:
 
 
 @cache
-def sizes(scenario: str) -> tuple[int, int, int]:
+def sizes(scenario: ScenarioLike) -> tuple[int, int, int]:
     """Number of red's pieces, of blue's, and of control points; a policy fits where they are its own."""
-    start = load_scenario(scenario)
+    start = scenario if isinstance(scenario, Scenario) else load_scenario(scenario)
     red = sum(piece.camp == Camp.RED for piece in start.pieces)
     return red, len(start.pieces) - red, len(start.points)
 

@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 from hexwar_sb3.bots.config import bots_hash
 from hexwar_sb3.bots.registry import BOTS_VERSION
 from hexwar_sb3.engine.world import load_world
-from hexwar_sb3.maps.scenario import Scenario
+from hexwar_sb3.maps.scenario import ScenarioLike
 from hexwar_sb3.version import __version__
 
 
-def provenance(scenario: str | Path | Scenario) -> dict[str, str]:
+def provenance(scenario: ScenarioLike) -> dict[str, str]:
     """Name versions and hashes; they stand in every result file."""
     world = load_world(scenario)
     return {

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -15,7 +14,7 @@ from hexwar_sb3.engine.world import World, load_world
 from hexwar_sb3.errors import ConfigError
 from hexwar_sb3.kernels import Row, Rows, kernel
 from hexwar_sb3.maps.geometry import cells_apart, frame_direction
-from hexwar_sb3.maps.scenario import PieceStart, Scenario
+from hexwar_sb3.maps.scenario import PieceStart, ScenarioLike
 from hexwar_sb3.players.frozen_lower import FrozenLower, check_answers, make_lower
 from hexwar_sb3.rules.enums import PieceType
 from hexwar_sb3.tasks.records import TaskKind
@@ -63,7 +62,7 @@ class RouteResult:
 
 
 def measure_routes(
-    lower: object, scenario: str | Path | Scenario = "plain", routes: int = 500, seed: int = 0
+    lower: object, scenario: ScenarioLike = "plain", routes: int = 500, seed: int = 0
 ) -> list[RouteResult]:
     """Lead pieces from their starts to cells 10 to 40 cells away, no enemy about; a result a type, and "all".
 

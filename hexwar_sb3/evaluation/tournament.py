@@ -20,13 +20,14 @@ from hexwar_sb3.errors import FileFormatError
 from hexwar_sb3.evaluation.elo import Pairing, Ratings, elo_ratings
 from hexwar_sb3.evaluation.intervals import Estimate, wilson
 from hexwar_sb3.evaluation.jobs import run_jobs
-from hexwar_sb3.evaluation.panel import Terms, trained_terms
+from hexwar_sb3.evaluation.matches import Evaluation
 from hexwar_sb3.evaluation.provenance import provenance
 from hexwar_sb3.files import replacing
 from hexwar_sb3.folders import holding
 from hexwar_sb3.kinds import read_fields
 from hexwar_sb3.players.frozen import FrozenPolicy
 from hexwar_sb3.players.player import BotPlayer, make_player
+from hexwar_sb3.players.terms import trained_terms
 from hexwar_sb3.reading import read_json
 
 FORMAT = "hexwar match 1"
@@ -103,7 +104,7 @@ def play_meetings(
     meetings: Sequence[Meeting],
     reds: Mapping[str, object],
     blues: Mapping[str, object],
-    terms: Terms,
+    evaluation: Evaluation,
     folder: Path,
     *,
     jobs: int = 1,
@@ -114,8 +115,8 @@ def play_meetings(
         meetings: matches to play.
         reds: players by name: bots' names, folders, policies, models.
         blues: likewise.
-        terms: games, seed, purpose and so on; the scenario is each meeting's, and a policy decides as often as it was
-            trained to.
+        evaluation: games, seed, purpose and so on; the scenario is each meeting's, and a policy decides as often as it
+            was trained to.
         folder: gets a file a match; who plays there again, goes on.
         jobs: matches side by side.
 
@@ -124,7 +125,8 @@ def play_meetings(
         BusyError: another process plays there.
     """
     matches = {
-        meeting: Match(meeting, reds[meeting.red], blues[meeting.blue], terms, folder) for meeting in meetings
+        meeting: Match(meeting, reds[meeting.red], blues[meeting.blue], evaluation, folder)
+        for meeting in meetings
     }
     missing = [match for match in matches.values() if not match.is_played()]
     if missing:
@@ -156,7 +158,7 @@ class Match:
     meeting: Meeting
     red: object
     blue: object
-    terms: Terms
+    evaluation: Evaluation
     folder: Path
 
     @property
@@ -170,15 +172,16 @@ class Match:
 
     def head(self) -> dict[str, Any]:
         """What the result depends on."""
-        terms = {
-            name: value for name, value in asdict(self.terms).items() if name not in ("scenario", "camps")
-        }
+        how, terms = self.evaluation, self.evaluation.terms
         return {
             "format": FORMAT,
             "terms": {
-                **terms,
-                "purpose": self.terms.purpose.name,
+                "games": how.games,
+                "seed": how.seed,
+                "purpose": how.purpose.name,
                 "decision_ticks": list(self.decision_ticks),
+                "spots": terms.spots,
+                "early": terms.decisions == "event",
             },
             "players": {"red": fingerprint(self.red), "blue": fingerprint(self.blue)},
             **provenance(self.meeting.scenario),
@@ -187,9 +190,8 @@ class Match:
     @property
     def decision_ticks(self) -> tuple[int, int]:
         """Between decisions of red and of blue: as they were trained."""
-        red, blue = (trained_terms(player) for player in (self.red, self.blue))
-        usual = self.terms.decision_ticks
-        return red.get("decision_ticks", usual), blue.get("decision_ticks", usual)
+        red, blue = (trained_terms(player, self.evaluation.terms) for player in (self.red, self.blue))
+        return red.decision_ticks, blue.decision_ticks
 
     def read(self) -> dict[str, Any]:
         """Read the file of this match.
@@ -210,10 +212,16 @@ class Match:
     def _check_figures(self, row: Mapping[str, Any]) -> None:
         """What it says of the games is of this match, and adds up."""
         games = row.get("red_games")
-        if not isinstance(games, str) or len(games) != self.terms.games or set(games) - set(LETTERS.values()):
-            self._fail("red_games", games, f"{self.terms.games} letters of {', '.join(LETTERS.values())}")
-        if type(row.get("seed")) is not int or row["seed"] != self.terms.seed:
-            self._fail("seed", row.get("seed"), f"{self.terms.seed}")
+        if (
+            not isinstance(games, str)
+            or len(games) != self.evaluation.games
+            or set(games) - set(LETTERS.values())
+        ):
+            self._fail(
+                "red_games", games, f"{self.evaluation.games} letters of {', '.join(LETTERS.values())}"
+            )
+        if type(row.get("seed")) is not int or row["seed"] != self.evaluation.seed:
+            self._fail("seed", row.get("seed"), f"{self.evaluation.seed}")
         won, drawn, lost = (games.count(letter) for letter in LETTERS.values())
         for camp, wins, losses in (("red", won, lost), ("blue", lost, won)):
             figures = Figures(**read_fields(Figures, row.get(camp), self.path, place=camp, whole=True))
@@ -242,8 +250,8 @@ def play(match: Match) -> None:
     """Play a match and leave its file: a function of `match` alone, in any process."""
     match = replace(match, red=make_player(match.red), blue=make_player(match.blue))  # a folder is read once
     meeting = match.meeting
-    terms = replace(match.terms, scenario=meeting.scenario)
-    result = terms.play(match.red, match.blue, match.decision_ticks)
+    how = replace(match.evaluation, terms=replace(match.evaluation.terms, scenario=meeting.scenario))
+    result = how.play(match.red, match.blue, match.decision_ticks)
     named = replace(result, red_name=meeting.red, blue_name=meeting.blue)
     games = "".join(LETTERS[score] for score in result.red.scores)
     row = {**named.summary(), **match.head(), "red_games": games}

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from statistics import median
 from time import process_time
@@ -20,23 +20,23 @@ from hexwar_sb3.algorithms.presets import PRESETS
 from hexwar_sb3.algorithms.qmix import QMIX
 from hexwar_sb3.callbacks.every import EverySteps
 from hexwar_sb3.callbacks.shares import shares_of
-from hexwar_sb3.engine.world import load_world
-from hexwar_sb3.envs.registration import make_vec_env
+from hexwar_sb3.envs.registration import TASK_ENV, make_vec_env
 from hexwar_sb3.errors import FileFormatError
 from hexwar_sb3.evaluation.jobs import run_jobs
-from hexwar_sb3.evaluation.panel import Terms, trained_terms
+from hexwar_sb3.evaluation.matches import Evaluation
 from hexwar_sb3.evaluation.provenance import provenance
 from hexwar_sb3.evaluation.seeds import Purpose, seed_for
 from hexwar_sb3.evaluation.tournament import fingerprint
 from hexwar_sb3.files import replacing
 from hexwar_sb3.kinds import fits, read_fields
+from hexwar_sb3.players.terms import trained_terms
 from hexwar_sb3.reading import read_json
 
 HALF = 0.5  # win rate from which a response is said to have the better of the player
 
 
 @dataclass(frozen=True, kw_only=True)
-class Evaluation:
+class Point:
     """How a response did against the player after some games of its training."""
 
     games: int
@@ -65,16 +65,14 @@ class Response:
         return {"player": fingerprint(self.player), **own, **provenance(self.scenario)}
 
     @property
-    def terms(self) -> Terms:
-        """Of its evaluations; both decide as often as the player was trained to."""
-        trained = {name: value for name, value in trained_terms(self.player).items() if name != "scenario"}
-        return Terms(
-            scenario=self.scenario,
+    def evaluation(self) -> Evaluation:
+        """How it is measured; both decide as often as the player was trained to."""
+        return Evaluation(
+            terms=replace(trained_terms(self.player), scenario=self.scenario),
             games=self.eval_games,
             seed=self.seed,
             purpose=Purpose.SELECTION,
             camps=(self.camp,),
-            **trained,
         )
 
 
@@ -106,25 +104,20 @@ def respond(spec: tuple[Response, Path]) -> None:
 
 def train_response(response: Response) -> list[dict[str, Any]]:
     """Train a response; its figures against the player at every evaluation."""
-    terms, preset = response.terms, PRESETS["default"]
+    how, preset = response.evaluation, PRESETS["default"]
+    terms = how.terms.settings
+    seed = seed_for(Purpose.TRAINING, response.seed)
     env = make_vec_env(
-        "HexWarTask-v0",
-        n_envs=preset.n_envs,
-        seed=seed_for(Purpose.TRAINING, response.seed),
-        scenario=response.scenario,
+        TASK_ENV,
+        seed=seed,
         side=response.camp,
         opponent=response.player,
-        decision_ticks=terms.decision_ticks,
-        decisions="event" if terms.early else "fixed",
-        spots=terms.spots,
-        demo_bot="MA2",
-        privileged_state=True,
-        **preset.env,
+        **{**preset.env_for(response.scenario), **terms},
     )
     learner = preset.learner_for(response.games, response.scenario)
     model = QMIX("TaskPolicy", env, seed=response.seed, **learner)
-    decisions = load_world(response.scenario).scenario.game_ticks // terms.decision_ticks
-    watch = Watch(response.every * decisions, decisions, response.camp, response.player, terms)
+    decisions = how.terms.env_steps(1)
+    watch = Watch(response.every * decisions, decisions, response.camp, response.player, how)
     model.learn(response.games * decisions, callback=[*shares_of(preset, response.games), watch])
     return watch.curve
 
@@ -137,18 +130,18 @@ class Watch(EverySteps):
         decisions: env steps of a game.
         camp: of the response.
         player: whom it meets.
-        terms: of the games.
+        evaluation: how it is measured.
     """
 
-    def __init__(self, every: int, decisions: int, camp: str, player: str, terms: Terms) -> None:
+    def __init__(self, every: int, decisions: int, camp: str, player: str, evaluation: Evaluation) -> None:
         super().__init__(every)
-        self.decisions, self.camp, self.player, self.terms = decisions, camp, player, terms
+        self.decisions, self.camp, self.player, self.evaluation = decisions, camp, player, evaluation
         self.curve: list[dict[str, Any]] = []
 
     def fire(self) -> None:
         """Play, and note."""
-        result = self.terms.play_as(self.camp, cast("QMIX", self.model).policy.freeze(), self.player)
-        row = Evaluation(
+        result = self.evaluation.play_as(self.camp, cast("QMIX", self.model).policy.freeze(), self.player)
+        row = Point(
             games=self.now() // self.decisions,
             win_rate=result.win_rate.value,
             win_rate_low=result.win_rate.low,
@@ -173,7 +166,7 @@ def read_figures(file: Path, head: dict[str, Any]) -> dict[str, Any]:
     if not isinstance(curve, list) or not curve:
         raise FileFormatError(file, "curve", found=str(curve)[:80], expected="a list of evaluations")
     for n, row in enumerate(curve):
-        read = Evaluation(**read_fields(Evaluation, row, file, place=f"curve[{n}]", whole=True))
+        read = Point(**read_fields(Point, row, file, place=f"curve[{n}]", whole=True))
         if read.games < 0 or not 0.0 <= read.win_rate <= 1.0:
             raise FileFormatError(file, f"curve[{n}]", found=str(read), expected="games, and a rate in 0..1")
     if not fits(found.get("cpu_seconds"), float):

@@ -8,9 +8,8 @@ from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
 
-from hexwar_sb3.engine.world import load_world
 from hexwar_sb3.errors import ConfigError, FileFormatError, UnknownNameError
-from hexwar_sb3.play.records import DECISION_TICKS
+from hexwar_sb3.players.terms import DECISION_TICKS, Terms
 from hexwar_sb3.reading import read_bytes
 
 HEXWAR = "hexwar_sb3.cli"  # modules that train
@@ -80,7 +79,7 @@ def hrl_run(
     scenario: str = "plain",
 ) -> Run:
     """A run of `hexwar train`: as many env steps as the games have, evaluated at the same games."""
-    steps = budget.games * load_world(scenario).scenario.game_ticks // DECISION_TICKS
+    steps = Terms(scenario=scenario).env_steps(budget.games)
     numbers = {
         "--seed": seed,
         "--n-timesteps": steps,

@@ -7,7 +7,8 @@ from dataclasses import replace
 from statistics import fmean, stdev
 from typing import Any
 
-from hexwar_sb3.evaluation.panel import BOTS, CAMPS
+from hexwar_sb3.evaluation.matches import CAMPS
+from hexwar_sb3.evaluation.panel import BOTS
 from hexwar_sb3.experiments.fig7 import hierarchy
 from hexwar_sb3.experiments.page_file import PageRow, rows_on
 from hexwar_sb3.experiments.runs import NO_PLANS, Budget, Places, Run, hrl_run

@@ -14,7 +14,8 @@ from typing import Any
 
 from hexwar_sb3.evaluation.intervals import Estimate
 from hexwar_sb3.evaluation.jobs import run_jobs
-from hexwar_sb3.evaluation.panel import BOTS, CONSTANT_PLANS, Terms
+from hexwar_sb3.evaluation.matches import Evaluation
+from hexwar_sb3.evaluation.panel import BOTS, CONSTANT_PLANS
 from hexwar_sb3.evaluation.tournament import Meeting, Table, play_meetings
 from hexwar_sb3.experiments.carry_out import carry_out
 from hexwar_sb3.experiments.fig7 import hierarchy
@@ -28,6 +29,7 @@ from hexwar_sb3.league.league import League
 from hexwar_sb3.league.member import BOTH, CAMPS, NETWORKS
 from hexwar_sb3.league.picture import draw_league
 from hexwar_sb3.league.settings import LeagueSettings
+from hexwar_sb3.players.terms import Terms
 
 NAME = "table1"
 ROWS = ("HRL0", "HRL1", "HRL2", "CAI")
@@ -160,14 +162,14 @@ class Table1:
                     folder=self.work / "cai" / side,
                     env=league.env(),
                     learner={**league.learner(self.cai_games), **self.cai_learner},
-                    about=league.terms(0, 1).about(),
+                    about=league.terms.about(),
                 )
             )
         return specs
 
     def progress(self, league: League) -> dict[str, dict[int, Estimate]]:
         """Win rate of the best models of each iteration, both colours, against HRL0, the bots and whom they never met."""
-        terms = replace(self.terms, games=self.progress_games)
+        how = replace(self.evaluation, games=self.progress_games)
         best = {
             camp: {str(k): str(league.kept(k)[camp][0].folder) for k in self._iterations} for camp in CAMPS
         }
@@ -177,8 +179,8 @@ class Table1:
             rival = {camp: name if name in PROGRESS else str(first[camp][0].folder) for camp in CAMPS}
             reds, blues = ({**best[camp], name: rival[camp]} for camp in CAMPS)
             pairs = [(str(k), name) for k in self._iterations] + [(name, str(k)) for k in self._iterations]
-            meetings = [Meeting(red=red, blue=blue, scenario=terms.scenario) for red, blue in pairs]
-            table = play_meetings(meetings, reds, blues, terms, self.work / "progress", jobs=self.jobs)
+            meetings = [Meeting(red=red, blue=blue, scenario=self.settings.scenario) for red, blue in pairs]
+            table = play_meetings(meetings, reds, blues, how, self.work / "progress", jobs=self.jobs)
             found[name] = {k: table.win_rate(str(k), *CAMPS) for k in self._iterations}
         return found
 
@@ -187,9 +189,10 @@ class Table1:
         return range(self.settings.iterations + 1)
 
     @property
-    def terms(self) -> Terms:
-        """Of the matches of the table: fresh games, that nothing was trained or selected on."""
-        return Terms(scenario=self.settings.scenario, games=self.games, seed=self.settings.seed)
+    def evaluation(self) -> Evaluation:
+        """Matches of the table: fresh games, that nothing was trained or selected on."""
+        terms = Terms(scenario=self.settings.scenario)
+        return Evaluation(terms=terms, games=self.games, seed=self.settings.seed)
 
     def _keep_policies(self, league: League) -> None:
         """Copy the policies of the table."""
@@ -234,7 +237,7 @@ class Table1:
         folder, meetings = self.kept / "matches", self.meetings()
         is_whole = all((folder / meeting.file).exists() for meeting in meetings)
         with nullcontext() if is_whole else measured(self.kept, "matches"):
-            return play_meetings(meetings, reds, blues, self.terms, folder, jobs=self.jobs)
+            return play_meetings(meetings, reds, blues, self.evaluation, folder, jobs=self.jobs)
 
     def costs(self) -> Cost:
         """Wall and core time of every stage, as far as it was measured."""

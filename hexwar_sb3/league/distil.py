@@ -8,9 +8,8 @@ from typing import Any
 
 from hexwar_sb3.algorithms.distillation import Lesson, learn_from, teach
 from hexwar_sb3.algorithms.qmix import QMIX
-from hexwar_sb3.checks import check_whole
+from hexwar_sb3.checks import check_share, check_whole
 from hexwar_sb3.envs.registration import make_vec_env
-from hexwar_sb3.envs.settings import check_share
 from hexwar_sb3.errors import ConfigError
 from hexwar_sb3.evaluation.seeds import Purpose, seed_for
 from hexwar_sb3.league.work import env_steps, job_seed, one_thread

@@ -21,7 +21,8 @@ from hexwar_sb3.engine.world import load_world
 from hexwar_sb3.envs.registration import TASK_ENV, make_vec_env
 from hexwar_sb3.errors import ConfigError, FileFormatError
 from hexwar_sb3.evaluation.jobs import run_jobs
-from hexwar_sb3.evaluation.panel import BOTS, Terms, trained_terms
+from hexwar_sb3.evaluation.matches import Evaluation
+from hexwar_sb3.evaluation.panel import BOTS
 from hexwar_sb3.evaluation.provenance import provenance
 from hexwar_sb3.evaluation.seeds import Purpose
 from hexwar_sb3.files import check_held, write_json
@@ -34,6 +35,7 @@ from hexwar_sb3.league.selection import Standing, play_all, select, standings
 from hexwar_sb3.league.settings import LeagueSettings
 from hexwar_sb3.league.work import Opponents, env_settings, env_steps, job_seed
 from hexwar_sb3.players.frozen import FrozenPolicy
+from hexwar_sb3.players.terms import Terms, trained_terms
 from hexwar_sb3.policies.shapes import TaskShapes
 from hexwar_sb3.reading import check_names, read_json
 from hexwar_sb3.tasks.hotspots import is_mirrored
@@ -266,12 +268,12 @@ class League:
         """Order the first models by their games against the bots; the best of a colour is HRL0."""
         if self.is_done(0):
             return
-        rows, terms = {}, self.terms(0, self.settings.warm_up_games)
+        rows, how = {}, self.evaluation(0, self.settings.warm_up_games)
         bots: dict[str, object] = {bot: bot for bot in BOTS}
         for camp in CAMPS:
             models: dict[str, object] = {member.name: member.folder for member in self.starters(camp)}
             red, blue = (models, bots) if camp == "red" else (bots, models)
-            table = play_all(red, blue, terms, self.iteration(0) / "matches" / camp, jobs=jobs)
+            table = play_all(red, blue, how, self.iteration(0) / "matches" / camp, jobs=jobs)
             rows[camp] = standings(table, camp)
         kept = select(rows, self.settings.keep, split=self.settings.split)
         write_json(self.table(0), {"iteration": 0, "kept": kept, "standings": rows})
@@ -296,7 +298,7 @@ class League:
                 folder=self.group(k, group_name(k, i, j)),
                 env=self.env(),
                 learner=self.learner(settings.games),
-                about=self.terms(0, 1).about(),
+                about=self.terms.about(),
             )
             for i in range(settings.keep)
             for j in range(settings.keep)
@@ -331,9 +333,9 @@ class League:
     def _select(self, k: int, jobs: int) -> None:
         models = self.models(k)
         reds, blues = ({one.name: one.folder for one in models[camp]} for camp in CAMPS)
-        terms = self.terms(k, self.settings.match_games)
+        how = self.evaluation(k, self.settings.match_games)
         bots, share = tuple(self.settings.weights), self.settings.worst_share
-        table = play_all(reds, blues, terms, self.iteration(k) / "matches", bots=bots, jobs=jobs)
+        table = play_all(reds, blues, how, self.iteration(k) / "matches", bots=bots, jobs=jobs)
         rows = {camp: standings(table, camp, bots, share) for camp in CAMPS}
         before = self.kept(k - 1)
         for camp in CAMPS:
@@ -352,16 +354,15 @@ class League:
         }
         write_json(self.table(k), found)
 
-    def terms(self, k: int, games: int) -> Terms:
-        """Of the games that select in iteration k."""
-        trained = trained_terms(self.starters("red")[0].folder)
+    @property
+    def terms(self) -> Terms:
+        """Of all games: as the first models were trained."""
+        return replace(trained_terms(self.starters("red")[0].folder), scenario=self.settings.scenario)
+
+    def evaluation(self, k: int, games: int) -> Evaluation:
+        """Games that select in iteration k."""
         seed = job_seed(self.settings.seed, k)
-        return Terms(
-            **{**trained, "scenario": self.settings.scenario},
-            games=games,
-            seed=seed,
-            purpose=Purpose.SELECTION,
-        )
+        return Evaluation(terms=self.terms, games=games, seed=seed, purpose=Purpose.SELECTION)
 
     def keep(self, folder: Path, *, models: bool = True) -> None:
         """Copy what it takes to go on: tables, the best of each iteration, and all that the last one kept.
@@ -404,7 +405,7 @@ class League:
     def env(self) -> dict[str, Any]:
         """Settings of the task env."""
         return {
-            **env_settings(self.terms(0, 1), self.settings.n_envs),
+            **env_settings(self.terms, self.settings.n_envs),
             "priority": self.settings.priority,
         }
 
@@ -449,11 +450,15 @@ def _check_starters(policies: Mapping[str, FrozenPolicy], settings: LeagueSettin
     for name, policy in policies.items():
         if not settings.split and (side := policy.about.get("side", BOTH)) != BOTH:
             raise ConfigError(f"{name} plays {side} alone: it needs a league of split=True")
-    ways = {name: {**trained_terms(policy), "scenario": ""} for name, policy in policies.items()}
+    ways = {
+        name: replace(trained_terms(policy), scenario=settings.scenario) for name, policy in policies.items()
+    }
+    terms = next(iter(ways.values()))
     for name, way in ways.items():
-        if way != (first := next(iter(ways.values()))):
-            raise ConfigError(f"{name} was trained with {way}, others with {first}: they cannot meet")
-    terms = Terms(**{**first, "scenario": settings.scenario})
+        if way != terms:
+            raise ConfigError(
+                f"{name} was trained with {way.about()}, others with {terms.about()}: they cannot meet"
+            )
     env = make_vec_env(TASK_ENV, seed=0, **env_settings(terms, n_envs=1))
     shapes = TaskShapes.of(env.observation_space, env.action_space)
     has = (shapes.n_pieces, shapes.n_tasks, shapes.obs_dim, shapes.task_dim)

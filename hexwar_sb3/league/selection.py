@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from hexwar_sb3.evaluation.intervals import wilson
-from hexwar_sb3.evaluation.panel import Terms
+from hexwar_sb3.evaluation.matches import Evaluation
 from hexwar_sb3.evaluation.tournament import Meeting, Table, play_meetings
 from hexwar_sb3.league.member import CAMPS
 
@@ -19,7 +19,7 @@ Standing = dict[str, Any]  # name, win_rate with its interval, mean_margin
 def play_all(
     reds: Mapping[str, object],
     blues: Mapping[str, object],
-    terms: Terms,
+    evaluation: Evaluation,
     folder: Path,
     *,
     bots: Sequence[str] = (),
@@ -30,19 +30,19 @@ def play_all(
     Args:
         reds: players by name.
         blues: likewise; a name may be in both.
-        terms: of the games.
+        evaluation: how they are played.
         folder: gets a file a match.
         bots: further players of both colours, who do not meet each other.
         jobs: matches side by side.
     """
     pairs = [(red, blue) for red in (*reds, *bots) for blue in (*blues, *bots)]
     meetings = [
-        Meeting(red=red, blue=blue, scenario=terms.scenario)
+        Meeting(red=red, blue=blue, scenario=str(evaluation.terms.scenario))
         for red, blue in pairs
         if red in reds or blue in blues
     ]
     players = {bot: bot for bot in bots}
-    return play_meetings(meetings, {**reds, **players}, {**blues, **players}, terms, folder, jobs=jobs)
+    return play_meetings(meetings, {**reds, **players}, {**blues, **players}, evaluation, folder, jobs=jobs)
 
 
 def weights(rates: Sequence[float], are_bots: Sequence[bool], bots_share: float) -> list[float]:

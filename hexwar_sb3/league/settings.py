@@ -9,8 +9,8 @@ from hexwar_sb3.algorithms.preset_file import is_plain, kinds_of
 from hexwar_sb3.algorithms.qmix import QMIX
 from hexwar_sb3.algorithms.ranges import check_settings
 from hexwar_sb3.bots.registry import BOTS, is_bot
-from hexwar_sb3.checks import check_whole
-from hexwar_sb3.envs.settings import check_flag, check_priority, check_share
+from hexwar_sb3.checks import check_flag, check_share, check_whole
+from hexwar_sb3.envs.settings import check_priority
 from hexwar_sb3.errors import ConfigError, UnknownNameError
 from hexwar_sb3.evaluation.opponents import OPPONENTS, with_weights
 

@@ -12,11 +12,10 @@ import numpy as np
 import torch
 
 from hexwar_sb3.algorithms.qmix import QMIX
-from hexwar_sb3.engine.world import load_world
 from hexwar_sb3.envs.registration import TASK_ENV, make_vec_env
-from hexwar_sb3.evaluation.panel import Terms
 from hexwar_sb3.evaluation.seeds import SEEDS_PER_PURPOSE, Purpose, seed_for
 from hexwar_sb3.league.member import Member, read_networks
+from hexwar_sb3.players.terms import USUAL, Terms
 
 Opponents = Sequence[tuple[object, float]]  # player, weight
 
@@ -68,20 +67,12 @@ def go_on(model: QMIX, spec: Training) -> None:
 
 def env_settings(terms: Terms, n_envs: int) -> dict[str, Any]:
     """Settings of the task env for games on these terms."""
-    return {
-        "scenario": terms.scenario,
-        "decision_ticks": terms.decision_ticks,
-        "spots": terms.spots,
-        "decisions": "event" if terms.early else "fixed",
-        "reward": "net",
-        "n_envs": n_envs,
-        "privileged_state": True,
-    }
+    return {**terms.settings, "reward": "net", "n_envs": n_envs, "privileged_state": True}
 
 
 def env_steps(env: Mapping[str, Any], games: int) -> int:
     """Env steps that make so many games."""
-    return games * load_world(env["scenario"]).scenario.game_ticks // int(env["decision_ticks"])
+    return Terms(**{name: env[name] for name in USUAL.settings}).env_steps(games)
 
 
 def job_seed(*numbers: int) -> int:

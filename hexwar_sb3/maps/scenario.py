@@ -7,7 +7,8 @@ from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import NamedTuple
+from pathlib import Path
+from typing import NamedTuple, TypeAlias
 
 from hexwar_sb3.errors import ConfigError
 from hexwar_sb3.maps.hexmap import HexMap
@@ -98,6 +99,10 @@ class Scenario:
         points = [(p.name, int(p.cell), p.value) for p in self.points]
         content = (self.hexmap.hash, pieces, points, self.game_ticks, self.net_score)
         return hashlib.sha256(repr(content).encode()).hexdigest()[:16]
+
+
+ScenarioLike: TypeAlias = str | Path | Scenario
+"""A scenario by its name, file or object, as `load_world` takes it."""
 
 
 def problems(scenario: Scenario) -> Iterator[Problem]:

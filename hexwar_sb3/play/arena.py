@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, fields
+from dataclasses import fields
 from typing import Any, cast
 
 import numpy as np
@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 
 from hexwar_sb3.bots.atlas import make_atlas
 from hexwar_sb3.bots.records import BRAIN
-from hexwar_sb3.checks import check_whole
 from hexwar_sb3.engine.fields import check_form, check_names, check_same, copied
 from hexwar_sb3.engine.records import NEVER
 from hexwar_sb3.engine.score import margin, points_held
@@ -24,44 +23,21 @@ from hexwar_sb3.kernels import Rows, kernel
 from hexwar_sb3.play.demos import name_moves, name_plans
 from hexwar_sb3.play.drive import advance_until_decision
 from hexwar_sb3.play.lower import HEURISTIC, KEPT, tell_pieces
-from hexwar_sb3.play.records import DECISION_TICKS, DRIVE, EXTERNAL
+from hexwar_sb3.play.records import DRIVE, EXTERNAL
 from hexwar_sb3.play.sight import Sight, choose_batch, look_batch, observe_routes
 from hexwar_sb3.play.sound import check_play
 from hexwar_sb3.players.fit import check_actions, check_fit, check_tasks
 from hexwar_sb3.players.frozen_lower import HEURISTIC_LOWER, Answerer, FrozenLower, Lower, check_answers
 from hexwar_sb3.players.player import BotPlayer, Player, Seat, seat_name
 from hexwar_sb3.players.route_network import LOWER_NET
+from hexwar_sb3.players.terms import USUAL, Terms
 from hexwar_sb3.rules.enums import Camp
 from hexwar_sb3.tasks.choose import clear_plans, new_plans
 from hexwar_sb3.tasks.route import N_ANSWERS, new_route_buffers
-from hexwar_sb3.tasks.spots import SPOTS, load_spots
+from hexwar_sb3.tasks.spots import load_spots
 
 Games = NDArray[np.int64]  # indices of games in the batch, [n]
 Snapshot = dict[str, NDArray[Any]]
-
-MOST_TICKS = np.iinfo(DRIVE["period"].base).max  # between two decisions
-
-
-@dataclass(frozen=True, kw_only=True)
-class Setup:
-    """How the games of an arena are played, apart from who plays them."""
-
-    decision_ticks: tuple[int, int] = (DECISION_TICKS, DECISION_TICKS)  # [camp]
-    early: bool = False  # also decide after an own loss or an ended task
-    spots: int = SPOTS  # k of G^L(k)
-    fog: bool = True  # False: lights on, for debugging
-
-    def __post_init__(self) -> None:
-        """Check the numbers: games of 0 ticks a decision would never end.
-
-        Raises:
-            ConfigError: a number is out of its range.
-        """
-        if len(self.decision_ticks) != 2:
-            raise ConfigError(f"decision_ticks are one number a camp, got {self.decision_ticks!r}")
-        check_whole("spots", self.spots, least=0)
-        for ticks in self.decision_ticks:
-            check_whole("decision_ticks", ticks, least=1, most=MOST_TICKS)
 
 
 class Arena:
@@ -69,22 +45,32 @@ class Arena:
 
     A seat is a `BotPlayer` (it runs inside the drive loop), a `Player` (asked by `ask`), or None: then
     the caller looks and chooses.
+
+    Args:
+        world: scenario and rules, loaded.
+        n_games: games in the batch.
+        terms: of the games; their scenario is the world's.
+        decision_ticks: between decisions of (red, blue), where they differ from the terms.
     """
 
-    def __init__(self, world: World, n_games: int, setup: Setup) -> None:
-        self.world, self.setup, self.n_games = world, setup, n_games
+    def __init__(
+        self, world: World, n_games: int, terms: Terms = USUAL, decision_ticks: tuple[int, int] | None = None
+    ) -> None:
+        self.world, self.terms, self.n_games = world, terms, n_games
+        self.decision_ticks = decision_ticks or (terms.decision_ticks, terms.decision_ticks)
+        self._early = int(terms.decisions == "event")
         self.state = new_state(world, n_games)
         self.plans = new_plans(n_games, world.n_pieces)
         self.brains = np.zeros((n_games, 2), BRAIN).view(np.recarray)
         self.drives = np.zeros(n_games, DRIVE).view(np.recarray)
         self.players: list[list[Player | None]] = [[None, None] for _ in range(n_games)]
-        self._start = _start(world, setup)
+        self._start = _start(world, terms.fog)
         self._sights: dict[int, Sight] = {}
         self.nets = np.zeros(1, LOWER_NET).view(np.recarray)  # that drives.lower names
         self._net_numbers: dict[FrozenLower, int] = {}
         self._answerers: dict[tuple[int, int], Answerer] = {}  # (game, camp) -> who answers outside the loop
         self.atlas = make_atlas(world)
-        self._spots = load_spots(world, setup.spots)
+        self._spots = load_spots(world, terms.spots)
 
     def __getstate__(self) -> dict[str, Any]:
         return {
@@ -103,7 +89,7 @@ class Arena:
         clear_plans(self.plans[b])
         self.brains[b] = np.zeros(2, BRAIN)
         self.drives[b] = np.zeros((), DRIVE)
-        self.drives[b].period, self.drives[b].early = self.setup.decision_ticks, self.setup.early
+        self.drives[b].period, self.drives[b].early = self.decision_ticks, self._early
         for camp, seat in enumerate((red, blue)):
             self.sit(b, camp, seat)
 
@@ -368,8 +354,8 @@ class Arena:
         plans, brains, drives = (
             copied(name, snapshot[name], getattr(self, name)) for name in ("plans", "brains", "drives")
         )
-        setup = {"period": self.setup.decision_ticks, "early": self.setup.early}
-        check_same("drives", drives, {name: np.array(value) for name, value in setup.items()}, setup)
+        own = {"period": self.decision_ticks, "early": self._early}
+        check_same("drives", drives, {name: np.array(value) for name, value in own.items()}, own)
         check_play(self.world, state, plans, brains, drives)
         return state, plans, drives
 
@@ -383,11 +369,11 @@ def _bits(side: slice) -> int:
     return (1 << side.stop) - (1 << side.start)
 
 
-def _start(world: World, setup: Setup) -> State:
+def _start(world: World, fog: bool) -> State:
     """Tick 0 of every game of an arena."""
     state = new_state(world, 1)
     game, pieces, memory, paths, *_ = state.game(0)
-    game.fog = setup.fog
+    game.fog = fog
     remember(game, pieces, memory, paths, world.cells)
     return state
 

@@ -4,21 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hexwar_sb3.checks import check_whole
 from hexwar_sb3.engine.world import load_world
-from hexwar_sb3.maps.scenario import Scenario
-from hexwar_sb3.play.arena import Arena, Games, Setup
-from hexwar_sb3.play.records import DECISION_TICKS, DRIVE
+from hexwar_sb3.play.arena import Arena, Games
+from hexwar_sb3.play.records import DRIVE
 from hexwar_sb3.play.seeds import check_seed, game_seed
 from hexwar_sb3.players.fit import check_fit
 from hexwar_sb3.players.player import Player, Seat, given_name, make_player
+from hexwar_sb3.players.terms import USUAL, Terms
 from hexwar_sb3.rules.enums import Camp
-from hexwar_sb3.tasks.spots import SPOTS
 
 BATCH_GAMES = 64  # played together; no result depends on it
 
@@ -46,12 +44,10 @@ def play_games(
     red: object,
     blue: object,
     games: int,
-    scenario: str | Path | Scenario = "plain",
+    terms: Terms = USUAL,
     seed: int = 0,
     *,
-    decision_ticks: int | tuple[int, int] = DECISION_TICKS,
-    spots: int = SPOTS,
-    early: bool = False,
+    decision_ticks: tuple[int, int] | None = None,
     progress: Callable[[int], object] | None = None,
 ) -> MatchGames:
     """Play games 0..games-1 of a seed; game k is the same game in every match with these players.
@@ -59,11 +55,9 @@ def play_games(
     Args:
         red, blue: players as `make_player` takes them.
         games: number of games.
-        scenario: name, file or object.
+        terms: of the games.
         seed: of the match.
-        decision_ticks: between decisions, of both camps or of (red, blue); bots have their own.
-        spots: k of G^L(k), the cells that tasks lead to.
-        early: policies also decide after an own loss or an ended task.
+        decision_ticks: between decisions of (red, blue), where they differ from the terms.
         progress: called with the number of games that have ended, now and then.
 
     Raises:
@@ -72,11 +66,8 @@ def play_games(
     """
     check_seed(seed)
     check_whole("games", games, least=0)
-    pair = decision_ticks if isinstance(decision_ticks, tuple) else (decision_ticks, decision_ticks)
     seats = make_player(red), make_player(blue)
-    arena = Arena(
-        load_world(scenario), min(games, BATCH_GAMES), Setup(decision_ticks=pair, spots=spots, early=early)
-    )
+    arena = Arena(load_world(terms.scenario), min(games, BATCH_GAMES), terms, decision_ticks)
     results = _empty(games, len(arena.world.scenario.points))
     for camp, (player, seat) in enumerate(zip((red, blue), seats, strict=True)):
         check_fit(seat, arena.world, camp, given_name(player))

@@ -11,40 +11,33 @@ from hexwar_sb3.engine.record import Recorder
 from hexwar_sb3.engine.replay import PlayerName, Replay
 from hexwar_sb3.engine.state import new_state
 from hexwar_sb3.engine.world import load_world
-from hexwar_sb3.maps.scenario import Scenario
-from hexwar_sb3.play.arena import Arena, Setup
+from hexwar_sb3.play.arena import Arena
 from hexwar_sb3.play.drive import make_step, next_decision, note_due, take_turn
-from hexwar_sb3.play.records import DECISION_TICKS, STEPS, WAITS
+from hexwar_sb3.play.records import STEPS, WAITS
 from hexwar_sb3.play.seeds import check_seed, game_seed
 from hexwar_sb3.players.player import BotPlayer, Seat, make_player
-from hexwar_sb3.tasks.spots import SPOTS
+from hexwar_sb3.players.terms import USUAL, Terms
 
 
 def record_game(
     red: object,
     blue: object,
-    scenario: str | Path | Scenario = "plain",
+    terms: Terms = USUAL,
     seed: int = 0,
     *,
     episode: int = 0,
-    decision_ticks: int = DECISION_TICKS,
-    spots: int = SPOTS,
-    early: bool = False,
 ) -> Replay:
     """Play one game and write it down; it is the game that `play_games` plays as its number `episode`.
 
     Args:
         red: a player as `make_player` takes them.
         blue: likewise.
-        scenario: name, file or object.
+        terms: of the game.
         seed: of the match.
         episode: number of the game.
-        decision_ticks: ticks between two decisions of a policy.
-        spots: k of G^L(k), the cells that tasks lead to.
-        early: policies also decide after an own loss or an ended task.
     """
-    world = load_world(scenario)
-    arena = Arena(world, 1, Setup(decision_ticks=(decision_ticks, decision_ticks), spots=spots, early=early))
+    world = load_world(terms.scenario)
+    arena = Arena(world, 1, terms)
     arena.state = new_state(world, 1, LOG_ROWS)
     seats = make_player(red), make_player(blue)
     dice_seed = game_seed(check_seed(seed), episode)

@@ -9,7 +9,6 @@ from hexwar_sb3.engine.fields import ANY_U4, Field, dtype_of
 from hexwar_sb3.engine.records import MAX_PIECES, MAX_POINTS, MAX_SIDE, NEVER, NO_CELL
 from hexwar_sb3.rules.enums import Action
 
-DECISION_TICKS = 75  # Delta-t of the paper (IV); a setting, not a rule
 EARLY_TICKS = 15  # least time between a decision and an early one
 LAST_BOT = max(Bot)
 EXTERNAL = 255  # seat: somebody outside the loop picks this camp's tasks; else a bot's id

@@ -95,7 +95,7 @@ def policy_attempt(_: Path) -> Attempt:
 
     def attempt(folder: Path) -> None:
         from hexwar_sb3.evaluation.matches import play_match
-        from hexwar_sb3.evaluation.panel import trained_terms
+        from hexwar_sb3.players.terms import trained_terms
 
         policy = FrozenPolicy.load(folder)
         config = said((folder / POLICY).read_bytes())
@@ -115,7 +115,7 @@ def policy_attempt(_: Path) -> Attempt:
         policy.q_values(obs)
         terms = trained_terms(folder)
         check(
-            type(terms.get("decision_ticks", 1)) is int and type(terms.get("spots", 1)) is int,
+            type(terms.decision_ticks) is int and type(terms.spots) is int,
             "terms are no numbers",
         )
         play_match(folder, "MA1", games=1, scenario=valid.SCENARIO)

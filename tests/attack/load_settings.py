@@ -136,7 +136,7 @@ def run_attempt(root: Path) -> Attempt:
                 check_said(value, json.loads(json.dumps(taken, default=str)), f"{name}.")
         for name in ("n_timesteps", "eval_freq", "eval_games", "save_freq", "final_games"):
             check(getattr(settings, name) >= 1, f"{name} is {getattr(settings, name)}")
-        settings.terms()
+        settings.evaluation()
         training.watchers(settings, _run_folder(folder))
         learn(model, 2)
 

@@ -15,6 +15,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from hexwar_sb3.players.terms import Terms
+
 SCENARIO = "small.scenario.json"
 MODEL, CHECKPOINT, POLICY, WEIGHTS = "model.zip", "checkpoint.npz", "config.json", "weights.safetensors"
 GAME_TICKS = 300
@@ -74,7 +76,7 @@ def games_files(root: Path) -> None:
     save_scenario(scenario, root / "named" / SCENARIO, "small.map.json")
     for folder in ("map", "named"):
         save_map(scenario.hexmap, root / folder / "small.map.json")
-    replay = record_game("MA1", "MA2", scenario, seed=1)
+    replay = record_game("MA1", "MA2", Terms(scenario=scenario), seed=1)
     replay.save(root / "replay" / "game.hwr")
     replay.for_camp("red").save(root / "camp" / "red.hwr")
     static_hot_spots(load_world(scenario)).save(root / "spots" / "spots.json")
@@ -194,11 +196,12 @@ def run_folder(root: Path) -> None:
 def results(root: Path) -> None:
     """Evaluations, matches of a tournament."""
     from hexwar_sb3.evaluation.history import History
-    from hexwar_sb3.evaluation.panel import Terms, play_panel
+    from hexwar_sb3.evaluation.matches import Evaluation
+    from hexwar_sb3.evaluation.panel import play_panel
 
-    history, terms = History(), Terms(scenario=SCENARIO, games=2)
+    history, how = History(), Evaluation(terms=Terms(scenario=SCENARIO), games=2)
     for steps in (24, 48):
-        history.add(steps, 75 * steps, play_panel("MA1", ["MA2"], terms, name="MA1"))
+        history.add(steps, 75 * steps, play_panel("MA1", ["MA2"], how, name="MA1"))
     (root / "curve").mkdir()
     history.save(root / "curve" / "evaluations.npz")
     play_tournament(root / "tournament")
@@ -206,12 +209,14 @@ def results(root: Path) -> None:
 
 def play_tournament(folder: Path) -> Any:
     """Play what is missing of it, and read all."""
-    from hexwar_sb3.evaluation.panel import Terms
+    from hexwar_sb3.evaluation.matches import Evaluation
     from hexwar_sb3.evaluation.tournament import play_meetings, single_round_robin
 
     players = {"MA1": "MA1", "MA2": "MA2"}
     meetings = single_round_robin(list(players), [SCENARIO])
-    return play_meetings(meetings, players, players, Terms(scenario=SCENARIO, games=4), folder)
+    return play_meetings(
+        meetings, players, players, Evaluation(terms=Terms(scenario=SCENARIO), games=4), folder
+    )
 
 
 def league_settings() -> Any:

@@ -8,16 +8,17 @@ import numpy as np
 import pytest
 
 from hexwar_sb3.engine.world import load_world
-from hexwar_sb3.play.arena import Arena, Setup
+from hexwar_sb3.play.arena import Arena
 from hexwar_sb3.play.seeds import game_seed
 from hexwar_sb3.players.player import make_player
+from hexwar_sb3.players.terms import Terms
 
 
 class BotGames:
     """A batch of games between two bots."""
 
     def __init__(self, red: str, blue: str, scenario: str = "plain", games: int = 1) -> None:
-        self.arena = Arena(load_world(scenario), games, Setup())
+        self.arena = Arena(load_world(scenario), games, Terms())
         for b in range(games):
             self.arena.begin(b, game_seed(0, b), make_player(red), make_player(blue))
 

@@ -14,6 +14,7 @@ from hexwar_sb3.evaluation.acceptance import FIRST_GAMES, Accept, failures_of, p
 from hexwar_sb3.evaluation.seeds import Purpose, seed_for
 from hexwar_sb3.maps.files import builtin_names
 from hexwar_sb3.play.match import play_games
+from hexwar_sb3.players.terms import Terms
 
 ACCEPTED = Path(__file__).parents[2] / "results" / "bots" / "acceptance.json"
 
@@ -50,7 +51,7 @@ def test_they_still_play_the_accepted_games(
     rows = accepted["maps"][scenario]["rows"]
     known = next(each for each in rows if (each["red"], each["blue"]) == (red, blue))
     seed = seed_for(Purpose.REPORT, accepted["seed"])
-    again = play_games(red, blue, FIRST_GAMES, scenario, seed)
+    again = play_games(red, blue, FIRST_GAMES, Terms(scenario=scenario), seed)
     assert again.margin.tolist() == known["first_margins"]
 
 

@@ -23,6 +23,7 @@ from hexwar_sb3.evaluation.seeds import Purpose, seed_for
 from hexwar_sb3.maps.files import builtin_names, load_scenario
 from hexwar_sb3.play.match import play_games
 from hexwar_sb3.players.player import BotPlayer, make_player
+from hexwar_sb3.players.terms import Terms
 
 ACCEPTED = Path(__file__).parents[2] / "results" / "bots" / "drawn.json"
 
@@ -108,7 +109,7 @@ def test_both_families_were_accepted_on_every_map(accepted: dict[str, Any]) -> N
 def test_they_still_play_the_accepted_games(accepted: dict[str, Any], family: str, scenario: str) -> None:
     known = accepted["maps"][scenario][family]["first_margins"]
     seed = seed_for(Purpose.REPORT, accepted["seed"])
-    assert play_games(family, "MA1", FIRST_GAMES, scenario, seed).margin.tolist() == known
+    assert play_games(family, "MA1", FIRST_GAMES, Terms(scenario=scenario), seed).margin.tolist() == known
 
 
 def test_a_missed_bar_is_named() -> None:
@@ -126,4 +127,4 @@ def test_a_missed_bar_is_named() -> None:
 def test_a_fight_without_control_points_is_played_to_its_end(family: str, side: str) -> None:
     pointless = replace(load_scenario("plain"), name="pointless", points=())
     pair = (family, "MA1") if side == "red" else ("MA1", family)
-    assert (play_games(*pair, 20, pointless, seed=1).ticks > 0).all()
+    assert (play_games(*pair, 20, Terms(scenario=pointless), seed=1).ticks > 0).all()

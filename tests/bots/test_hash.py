@@ -12,6 +12,7 @@ from hexwar_sb3.bots.config import DRAWN_GAMES, GAMES, bots_hash, drawn_hash
 from hexwar_sb3.bots.registry import BOTS, FAMILIES
 from hexwar_sb3.maps.files import builtin_names
 from hexwar_sb3.play.match import play_games
+from hexwar_sb3.players.terms import Terms
 
 
 def digest_of(players: list[str]) -> str:
@@ -20,7 +21,7 @@ def digest_of(players: list[str]) -> str:
     for scenario in builtin_names():
         for player in players:
             for opponent in ("MA1", "MA2"):
-                games = play_games(player, opponent, 2, scenario, seed=7)
+                games = play_games(player, opponent, 2, Terms(scenario=scenario), seed=7)
                 for array in (games.margins, games.ticks, games.actions):
                     digest.update(np.ascontiguousarray(array, "<i8").tobytes())
     return digest.hexdigest()[:16]

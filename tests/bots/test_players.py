@@ -14,6 +14,7 @@ from hexwar_sb3.bots.weigh import known_lead
 from hexwar_sb3.engine.codes import Code
 from hexwar_sb3.maps.files import builtin_names
 from hexwar_sb3.play.match import play_games
+from hexwar_sb3.players.terms import Terms
 from hexwar_sb3.rules.enums import Action, Camp, PieceType
 
 if TYPE_CHECKING:
@@ -98,7 +99,10 @@ def test_the_random_player_orders_only_what_is_legal(bot_games: Games) -> None:
 def test_a_full_player_uses_every_action(player: str) -> None:
     """Of the eleven; the null action is what a piece without an order does."""
     actions = np.concatenate(
-        [play_games(player, "nearest", 60, name, seed=1).actions[:, Camp.RED] for name in builtin_names()]
+        [
+            play_games(player, "nearest", 60, Terms(scenario=name), seed=1).actions[:, Camp.RED]
+            for name in builtin_names()
+        ]
     )
     used = (actions > 0).mean(axis=0)
     assert (used[1:] > 0).all(), dict(zip(Action, used, strict=True))

@@ -8,7 +8,8 @@ from hexwar_sb3.algorithms.qmix import QMIX
 from hexwar_sb3.callbacks.record import RecordGame
 from hexwar_sb3.engine.replay import Replay
 from hexwar_sb3.envs.registration import make_vec_env
-from hexwar_sb3.evaluation.panel import Terms
+from hexwar_sb3.evaluation.matches import Evaluation
+from hexwar_sb3.players.terms import Terms
 
 SHORT = 300  # Delta-t: a game in six decisions
 
@@ -17,7 +18,12 @@ def test_a_game_of_each_camp_is_written_with_its_picture(tmp_path: Path) -> None
     env = make_vec_env(decision_ticks=SHORT, privileged_state=True, seed=0)
     model = QMIX("TaskPolicy", env, buffer_size=100, seed=0)
 
-    model.learn(12, callback=RecordGame(6, "random", Terms(games=1, decision_ticks=SHORT), folder=tmp_path))
+    model.learn(
+        12,
+        callback=RecordGame(
+            6, "random", Evaluation(terms=Terms(decision_ticks=SHORT), games=1), folder=tmp_path
+        ),
+    )
 
     names = [f"{camp}_{step:09d}" for camp in ("blue", "red") for step in (6, 12)]
     assert sorted(path.name for path in tmp_path.iterdir()) == sorted(

@@ -11,6 +11,7 @@ import pytest
 from hexwar_sb3.engine.replay import Replay
 from hexwar_sb3.engine.world import load_world
 from hexwar_sb3.play.recording import record_game
+from hexwar_sb3.players.terms import Terms
 from hexwar_sb3.tasks.spots import load_spots
 
 Command = Callable[..., tuple[int, str, str]]
@@ -107,7 +108,7 @@ def test_a_replay_of_another_map_is_named_with_both_maps(
     hexwar: Command, replays: Path, tmp_path: Path
 ) -> None:
     other = tmp_path / "hills.hwr"
-    record_game("nearest", "nearest", "hills").save(other)
+    record_game("nearest", "nearest", Terms(scenario="hills")).save(other)
     out = tmp_path / "spots.json"
 
     code, _, err = hexwar("hotspots", str(replays), str(other), "--out", str(out))

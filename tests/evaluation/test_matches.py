@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from hexwar_sb3.errors import ConfigError, UnknownNameError
-from hexwar_sb3.evaluation.matches import play_match, player_name
-from hexwar_sb3.evaluation.panel import Terms, play_panel
+from hexwar_sb3.evaluation.matches import Evaluation, play_match, player_name
+from hexwar_sb3.evaluation.panel import play_panel
 from hexwar_sb3.evaluation.results import CampResult
 from hexwar_sb3.evaluation.seeds import Purpose
 
@@ -25,7 +25,7 @@ def test_the_first_games_of_a_longer_match_are_those_of_a_shorter_one() -> None:
 
 def test_games_that_select_are_never_the_reported_games() -> None:
     selected, reported = (
-        play_match("MA1", "nearest", games=3, purpose=p) for p in (Purpose.SELECTION, Purpose.REPORT)
+        Evaluation(games=3, purpose=p).play("MA1", "nearest") for p in (Purpose.SELECTION, Purpose.REPORT)
     )
 
     assert selected.red.margins.tolist() != reported.red.margins.tolist()
@@ -58,7 +58,7 @@ def test_a_folder_is_called_by_its_name() -> None:
 
 
 def test_a_panel_has_a_cell_for_each_opponent_and_camp() -> None:
-    panel = play_panel("nearest", ["MA1", "random"], Terms(games=2), name="nearest")
+    panel = play_panel("nearest", ["MA1", "random"], Evaluation(games=2), name="nearest")
 
     assert list(panel.cells) == [
         (opponent, camp) for opponent in ("MA1", "random") for camp in ("red", "blue")
@@ -71,7 +71,7 @@ def test_a_panel_has_a_cell_for_each_opponent_and_camp() -> None:
 def test_what_has_not_begun_when_the_user_stops_is_never_played(threads: int) -> None:
     begun = []
 
-    class Counted(Terms):
+    class Counted(Evaluation):
         def play_as(self, camp: str, player: object, opponent: object) -> CampResult:
             begun.append(camp)
             return super().play_as(camp, player, opponent)
@@ -87,7 +87,7 @@ def test_what_has_not_begun_when_the_user_stops_is_never_played(threads: int) ->
 
 def test_two_threads_play_the_games_of_one() -> None:
     one, two = (
-        play_panel("nearest", ["MA1", "drawn"], Terms(games=8), name="nearest", threads=threads)
+        play_panel("nearest", ["MA1", "drawn"], Evaluation(games=8), name="nearest", threads=threads)
         for threads in (1, 2)
     )
 

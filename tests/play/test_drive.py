@@ -6,16 +6,17 @@ import numpy as np
 import pytest
 
 from hexwar_sb3.engine.world import World, load_world
-from hexwar_sb3.play.arena import Arena, Setup
+from hexwar_sb3.play.arena import Arena
 from hexwar_sb3.play.match import play_games
 from hexwar_sb3.play.records import EARLY_TICKS
 from hexwar_sb3.play.seeds import game_seed
 from hexwar_sb3.players.player import make_player
+from hexwar_sb3.players.terms import Terms
 from hexwar_sb3.rules.enums import Action, Camp
 
 GAMES = 3
 RED, BLUE = "MA1", "MA2"
-PLAIN = Setup()
+PLAIN = Terms()
 
 
 @pytest.fixture(scope="module")
@@ -23,8 +24,8 @@ def world() -> World:
     return load_world("plain")
 
 
-def seated(world: World, n_games: int, setup: Setup = PLAIN) -> Arena:
-    arena = Arena(world, n_games, setup)
+def seated(world: World, n_games: int, terms: Terms = PLAIN) -> Arena:
+    arena = Arena(world, n_games, terms)
     for b in range(n_games):
         arena.begin(b, game_seed(0, b), make_player(RED), make_player(BLUE))
     return arena
@@ -56,7 +57,7 @@ def test_a_game_alone_is_the_same_game_in_a_batch(world: World) -> None:
 @pytest.mark.parametrize("ticks", [1, 7, 60])
 def test_a_game_is_the_same_at_every_chunk_size(world: World, ticks: int) -> None:
     whole = played_out(seated(world, GAMES))
-    cut = seated(world, GAMES, Setup(decision_ticks=(ticks, ticks)))
+    cut = seated(world, GAMES, Terms(decision_ticks=ticks))
     cut.drives.asked[:] = 1
 
     played_out(cut)
@@ -65,7 +66,7 @@ def test_a_game_is_the_same_at_every_chunk_size(world: World, ticks: int) -> Non
 
 
 def test_a_restored_game_goes_on_as_before(world: World) -> None:
-    arena = seated(world, GAMES, Setup(decision_ticks=(500, 500)))
+    arena = seated(world, GAMES, Terms(decision_ticks=500))
     arena.drives.asked[:] = 1
     arena.advance(np.arange(GAMES))
     snapshot = arena.snapshot()
@@ -84,7 +85,7 @@ def test_a_game_ends_at_its_last_tick(world: World) -> None:
 
 def test_early_decisions_come_after_own_losses(world: World) -> None:
     """decisions="event": whoever lost blood decides before the next multiple of Delta-t."""
-    arena = seated(world, 1, Setup(decision_ticks=(75, 75), early=True))
+    arena = seated(world, 1, Terms(decision_ticks=75, decisions="event"))
     arena.drives.asked[0, Camp.RED] = 1
     one, game, drive, early = np.zeros(1, np.int64), arena.state.games[0], arena.drives[0], 0
     while not arena.over(one)[0]:

@@ -10,9 +10,10 @@ import numpy as np
 import pytest
 
 from hexwar_sb3.engine.world import load_world
-from hexwar_sb3.play.arena import Arena, Setup
+from hexwar_sb3.play.arena import Arena
 from hexwar_sb3.play.fingerprint import fingerprint
 from hexwar_sb3.players.player import make_player
+from hexwar_sb3.players.terms import Terms
 from hexwar_sb3.rules.enums import Camp
 
 RED_TANK, BLUE_TANK = 0, 7
@@ -21,7 +22,7 @@ RED_TANK, BLUE_TANK = 0, 7
 @pytest.fixture(scope="module")
 def arena() -> Arena:
     """A game in which the camps have met."""
-    arena = Arena(load_world("plain"), 1, Setup(decision_ticks=(900, 900)))
+    arena = Arena(load_world("plain"), 1, Terms(decision_ticks=900))
     arena.begin(0, 0, make_player("nearest"), make_player("nearest"))
     arena.drives.asked[:] = 1
     arena.advance(np.zeros(1, np.int64))

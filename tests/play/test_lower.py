@@ -20,11 +20,12 @@ from hexwar_sb3.engine.world import World, load_world
 from hexwar_sb3.envs.route_vec_env import route_spaces
 from hexwar_sb3.errors import ConfigError
 from hexwar_sb3.maps.geometry import SE, E, W
-from hexwar_sb3.play.arena import Arena, Setup
+from hexwar_sb3.play.arena import Arena
 from hexwar_sb3.play.lower import HEURISTIC, KEPT, asks
 from hexwar_sb3.play.seeds import game_seed
 from hexwar_sb3.players.frozen_lower import FORMAT, SIZES, FrozenLower, Lower, fastest_way_network
 from hexwar_sb3.players.player import make_player
+from hexwar_sb3.players.terms import Terms
 from hexwar_sb3.policies.masked import MaskedDQNPolicy, freeze_lower
 from hexwar_sb3.rules.enums import Camp
 from hexwar_sb3.tasks.choose import assign
@@ -83,8 +84,8 @@ class Picker:
         return (5 * phase + 3 * np.arange(mask.shape[1]) + 2) % mask.sum(axis=-1)
 
 
-def seated(world: World, red: object, blue: object, setup: Setup | None = None) -> Arena:
-    arena = Arena(world, GAMES, setup or Setup())
+def seated(world: World, red: object, blue: object, terms: Terms | None = None) -> Arena:
+    arena = Arena(world, GAMES, terms or Terms())
     for b in range(GAMES):
         arena.begin(b, game_seed(7, b), make_player(red), make_player(blue))
     return arena
@@ -204,7 +205,7 @@ def bits(*pieces: int) -> NDArray[np.uint32]:
 
 def two_seats(world: World, piece: int | None) -> Arena:
     """Nobody picks red's tasks but the test, a bot plays blue; `piece`, if any, is led by the test."""
-    arena = Arena(world, 1, Setup())
+    arena = Arena(world, 1, Terms())
     arena.begin(0, game_seed(7, 0), None, make_player("nearest"))
     if piece is not None:
         arena.lead_outside(ONE, bits(piece))
@@ -346,7 +347,7 @@ LANE = """
 def make_lane(camp: Camp) -> Arena:
     """A tank and a soldier of one camp, sent to a far corner; nobody decides again."""
     text = LANE if camp == Camp.RED else LANE.replace("red", "blue")
-    arena = Arena(load_world(parse_board(text).scenario), 1, Setup(decision_ticks=(1800, 1800), spots=0))
+    arena = Arena(load_world(parse_board(text).scenario), 1, Terms(decision_ticks=1800, spots=0))
     arena.begin(0, 1, None, None)
     for i in range(2):
         assign(arena.plans[0, i], TaskKind.HOLD, NO_PIECE, 11 if camp == Camp.BLUE else 0, 0)

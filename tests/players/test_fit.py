@@ -24,6 +24,7 @@ from hexwar_sb3.play.recording import record_game
 from hexwar_sb3.players.fit import why_unfit
 from hexwar_sb3.players.frozen import FrozenPolicy
 from hexwar_sb3.players.player import POLICIES, make_player
+from hexwar_sb3.players.terms import Terms
 from hexwar_sb3.tasks.features import sizes
 from hexwar_sb3.tasks.records import MAX_TASKS
 from hexwar_sb3.tasks.route import N_ANSWERS
@@ -78,9 +79,9 @@ UNFIT: dict[str, Callable[[], object]] = {
     "flat, other actions": lambda: Model(FLAT, spaces.Discrete(MAX_TASKS)),
 }
 ENTRANCES: dict[str, Callable[[Any, Scenario | str], object]] = {
-    "red": lambda player, where: play_games(player, "MA1", 1, where),
-    "blue": lambda player, where: play_match("MA1", player, 1, where),
-    "record": lambda player, where: record_game(player, "MA1", where),
+    "red": lambda player, where: play_games(player, "MA1", 1, Terms(scenario=where)),
+    "blue": lambda player, where: play_match("MA1", player, 1, scenario=where),
+    "record": lambda player, where: record_game(player, "MA1", Terms(scenario=where)),
     "opponent": lambda player, where: TaskEnv(scenario=where, opponent=player),
     "mixture": lambda player, where: TaskEnv(scenario=where, opponent=[["MA1", 9], [player, 0.001]]),
     "set_opponent": lambda player, where: TaskEnv(scenario=where).set_opponent(["MA1", player]),
@@ -110,7 +111,7 @@ def test_a_player_that_fits_no_scenario_of_this_kind_is_refused(player: str) -> 
 def test_a_player_that_fits_plays(player: str) -> None:
     made = FIT[player]()
     assert [why_unfit(make_player(made), load_world("plain"), camp) for camp in (0, 1)] == [None, None]
-    assert play_games(made, "random", 1, decision_ticks=600).ticks.tolist() == [1800]
+    assert play_games(made, "random", 1, Terms(decision_ticks=600)).ticks.tolist() == [1800]
 
 
 def test_our_own_models_play_without_the_mixers_state() -> None:
@@ -121,7 +122,7 @@ def test_our_own_models_play_without_the_mixers_state() -> None:
 
 def test_a_policy_is_called_by_the_name_that_was_given() -> None:
     with pytest.raises(ConfigError, match=r"player 'HRL0' cannot play red .*\(7, 40, 257, 36\)"):
-        play_games("HRL0", "MA1", 1, duel())
+        play_games("HRL0", "MA1", 1, Terms(scenario=duel()))
 
 
 class Says:

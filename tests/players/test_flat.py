@@ -12,11 +12,12 @@ from numpy.typing import NDArray
 from hexwar_sb3.engine.world import load_world
 from hexwar_sb3.envs.registration import FLAT_ENV, make_vec_env
 from hexwar_sb3.errors import ConfigError
-from hexwar_sb3.play.arena import Arena, Setup
+from hexwar_sb3.play.arena import Arena
 from hexwar_sb3.play.lower import KEPT
 from hexwar_sb3.play.match import play_games
 from hexwar_sb3.players.flat import FlatPlayer
 from hexwar_sb3.players.player import make_player
+from hexwar_sb3.players.terms import Terms
 from hexwar_sb3.tasks.records import MAX_TASKS
 from hexwar_sb3.tasks.route import N_ANSWERS
 
@@ -84,7 +85,7 @@ def test_answers_that_are_none_are_refused(answers: NDArray[Any]) -> None:
 
 def test_kept_answers_outlast_a_restore() -> None:
     world = load_world("plain")
-    arena, other = Arena(world, 1, Setup()), Arena(world, 1, Setup())
+    arena, other = Arena(world, 1, Terms()), Arena(world, 1, Terms())
     for one in (arena, other):
         one.begin(0, 1, None, None)
     arena.keep_answers(np.array([0]), np.array([1]), np.full((1, 7), 3))

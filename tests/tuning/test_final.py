@@ -56,9 +56,9 @@ def test_a_policy_of_the_study_is_that_of_its_point_and_seed(finished: StudySpec
 
     for seed in finished.common.seeds:
         preset = load_preset("default").changed(begin(finished).trials[1].params)
-        terms = replace(finished.common.terms(preset, 2, seed), purpose=Purpose.REPORT)
+        how = replace(finished.common.evaluation(preset, 2, seed), purpose=Purpose.REPORT)
         own = FrozenPolicy.load(finished.policies(1) / str(seed))
-        panel = play_panel(own, finished.common.panel, terms, name="own")
+        panel = play_panel(own, finished.common.panel, how, name="own")
         assert margin[f"trial 1, seed {seed}"] == pytest.approx(panel.total.mean_margin.value)
 
 

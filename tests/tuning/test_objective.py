@@ -17,7 +17,7 @@ from hexwar_sb3.commands.tune import Tune
 from hexwar_sb3.errors import ConfigError
 from hexwar_sb3.evaluation.opponents import broad_mixture
 from hexwar_sb3.players.frozen import FrozenPolicy
-from hexwar_sb3.tuning.objective import FORCE, Common, new_model, objective, train_once
+from hexwar_sb3.tuning.objective import Common, new_model, objective, train_once
 from hexwar_sb3.tuning.space import PAPER, Point
 from tests.tuning.conftest import SMALL
 
@@ -55,7 +55,7 @@ def paper(tmp_path_factory: pytest.TempPathFactory) -> Made:
 def test_a_trial_is_worth_the_mean_of_its_trainings_and_each_of_them_its_policy(paper: Made) -> None:
     trial, folder = paper
     again = [SMALL.judge(FrozenPolicy.load(folder / str(seed)), DEFAULT, seed) for seed in SMALL.seeds]
-    margins = [one.mean_margin.value / FORCE for one in again]
+    margins = [one.mean_margin.value / 134 for one in again]
 
     assert trial.user_attrs["trainings"] == margins
     assert trial.value == fmean(margins)
