@@ -16,8 +16,9 @@ from safetensors.numpy import load_file
 
 from hexwar_sb3.errors import CheckpointError, ConfigError, FileFormatError, PolicyFileError, UnknownNameError
 from hexwar_sb3.league import group
+from hexwar_sb3.league.folder import group_name, parent_of
 from hexwar_sb3.league.group import train_group, with_partner
-from hexwar_sb3.league.league import League, group_name, parent_of
+from hexwar_sb3.league.league import League
 from hexwar_sb3.league.settings import LeagueSettings
 from hexwar_sb3.league.work import begin
 from hexwar_sb3.players.frozen import FrozenPolicy

@@ -13,7 +13,8 @@ import pytest
 from hexwar_sb3.errors import FileFormatError, HexWarError
 from hexwar_sb3.evaluation.provenance import provenance
 from hexwar_sb3.league.cost import FILE, read_cost
-from hexwar_sb3.league.league import FORMAT, League
+from hexwar_sb3.league.folder import FORMAT
+from hexwar_sb3.league.league import League
 from hexwar_sb3.league.settings import LeagueSettings
 
 
