@@ -1,1 +1,5 @@
 """Learning algorithms for Stable-Baselines3: QMIX and its kin."""
+
+from lazy_loader import attach_stub
+
+__getattr__, __dir__, __all__ = attach_stub(__name__, __file__)  # each name is imported when it is first used

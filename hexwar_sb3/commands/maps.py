@@ -32,7 +32,7 @@ class Maps:
     def run(self) -> int:
         """Print the list, and write what was asked for."""
         from hexwar_sb3.maps.files import builtin_names, load_scenario
-        from hexwar_sb3.maps.picture import picture
+        from hexwar_sb3.maps.picture import map_picture
 
         names = (str(self._make()),) if self.new else self.names or tuple(builtin_names())
         scenarios = [load_scenario(name) for name in names]
@@ -45,7 +45,7 @@ class Maps:
             self.output.mkdir(parents=True, exist_ok=True)
             for scenario in scenarios:
                 drawn = self.output / f"{_safe(scenario.name)}.png"
-                picture(scenario.hexmap, scenario).savefig(drawn, dpi=110)
+                map_picture(scenario.hexmap, scenario).savefig(drawn, dpi=110)
                 print(f"picture: {drawn}", file=sys.stderr)
         return 0
 

@@ -1,1 +1,5 @@
 """The engine: records, kernels, orders, one game and a batch of games, views, replays."""
+
+from lazy_loader import attach_stub
+
+__getattr__, __dir__, __all__ = attach_stub(__name__, __file__)  # each name is imported when it is first used

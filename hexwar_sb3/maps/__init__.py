@@ -1,1 +1,5 @@
 """Maps and scenarios: geometry, files, a generator, three built-in maps, and what kernels read of them."""
+
+from lazy_loader import attach_stub
+
+__getattr__, __dir__, __all__ = attach_stub(__name__, __file__)  # each name is imported when it is first used

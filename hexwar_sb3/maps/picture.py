@@ -41,7 +41,7 @@ _LEAST_SPAN_M = 120  # of altitudes that the colours show
 _EDGE_STEP = 5  # columns and rows between two numbers along the edge
 
 
-def picture(hexmap: HexMap, scenario: Scenario | None = None) -> Figure:
+def map_picture(hexmap: HexMap, scenario: Scenario | None = None) -> Figure:
     """A map, with the control points and starts of a scenario on it."""
     width, height = hexmap.width * _INCHES, hexmap.height * _INCHES * np.sqrt(3) / 2
     figure = Figure(figsize=(max(width, 5) + 1, height + 1), layout="constrained")

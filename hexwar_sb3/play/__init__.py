@@ -1,1 +1,5 @@
 """Whole games: the compiled drive loop, many games at once."""
+
+from lazy_loader import attach_stub
+
+__getattr__, __dir__, __all__ = attach_stub(__name__, __file__)  # each name is imported when it is first used

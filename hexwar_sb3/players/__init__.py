@@ -1,1 +1,5 @@
 """Who plays: bots, policy folders, models and callables; no game is played here."""
+
+from lazy_loader import attach_stub
+
+__getattr__, __dir__, __all__ = attach_stub(__name__, __file__)  # each name is imported when it is first used

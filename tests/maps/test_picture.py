@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from hexwar_sb3.maps.picture import centres, picture
+from hexwar_sb3.maps.picture import centres, map_picture
 from hexwar_sb3.maps.scenario import Scenario
 
 
@@ -14,14 +14,14 @@ def texts(figure: Any) -> set[str]:
 
 
 def test_a_builtin_map_with_its_scenario(scenario: Scenario, tmp_path: Path) -> None:
-    figure = picture(scenario.hexmap, scenario)
+    figure = map_picture(scenario.hexmap, scenario)
     figure.savefig(tmp_path / "map.png", dpi=50)
     assert (tmp_path / "map.png").stat().st_size > 10_000
     assert {"main 80", "secondary 50", "T", "C+S", "A", "1010", "7070"} <= texts(figure)
 
 
 def test_a_small_rough_map_alone(rough_board: Any, tmp_path: Path) -> None:
-    figure = picture(rough_board(0))
+    figure = map_picture(rough_board(0))
     figure.savefig(tmp_path / "map.svg")
     assert "1010" in texts(figure)
 

@@ -1,0 +1,10 @@
+from .checkpoint import Checkpoint as Checkpoint
+from .distillation import DistillationCallback as DistillationCallback
+from .every import EverySteps as EverySteps
+from .grouped_self_play import GroupedSelfPlayCallback as GroupedSelfPlayCallback
+from .progress import ProgressBar as ProgressBar
+from .record import RecordGame as RecordGame
+from .self_play import SelfPlayCallback as SelfPlayCallback
+from .shares import ShareOfGames as ShareOfGames
+from .trial_eval import TrialEvalCallback as TrialEvalCallback
+from .win_rate import WinRateCallback as WinRateCallback

@@ -1,0 +1,14 @@
+from .checkpoint import load_checkpoint as load_checkpoint
+from .checkpoint import save_checkpoint as save_checkpoint
+from .hierarchical import LOWER_DEFAULTS as LOWER_DEFAULTS
+from .hierarchical import HierarchicalQMIX as HierarchicalQMIX
+from .masked_dqn import MaskedDQN as MaskedDQN
+from .masked_dqn import MaskedQRDQN as MaskedQRDQN
+from .preset_file import load_preset as load_preset
+from .preset_file import save_preset as save_preset
+from .presets import PRESETS as PRESETS
+from .presets import Preset as Preset
+from .qmix import QMIX as QMIX
+from .td_targets import lambda_returns as lambda_returns
+from .td_targets import n_step_return as n_step_return
+from .td_targets import qmix_target as qmix_target

@@ -1,0 +1,12 @@
+from .agent import AgentNetwork as AgentNetwork
+from .agent import LiteralAgentNetwork as LiteralAgentNetwork
+from .masked import MaskedDQNPolicy as MaskedDQNPolicy
+from .masked import MaskedExtractor as MaskedExtractor
+from .masked import MaskedQRDQNPolicy as MaskedQRDQNPolicy
+from .masked import freeze_lower as freeze_lower
+from .mixers import IndependentMixer as IndependentMixer
+from .mixers import Mixer as Mixer
+from .mixers import MonotonicMixer as MonotonicMixer
+from .mixers import SumMixer as SumMixer
+from .shapes import TaskShapes as TaskShapes
+from .task_policy import TaskPolicy as TaskPolicy
