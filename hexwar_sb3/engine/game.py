@@ -17,14 +17,14 @@ from hexwar_sb3.engine.order_rows import write_order
 from hexwar_sb3.engine.orders import Null, Order
 from hexwar_sb3.engine.record import Recorder
 from hexwar_sb3.engine.records import ORDER
-from hexwar_sb3.engine.roster import Roster, camp_name, parse_camp
+from hexwar_sb3.engine.roster import SIDES, Roster, camp_name, parse_camp
 from hexwar_sb3.engine.score import margin
 from hexwar_sb3.engine.state import State, new_state, reset_game
 from hexwar_sb3.engine.step import advance, next_due
 from hexwar_sb3.engine.text import parse_board, print_game
 from hexwar_sb3.engine.view import SideView, side_view
 from hexwar_sb3.engine.world import load_world
-from hexwar_sb3.errors import OrderError
+from hexwar_sb3.errors import OrderError, UnknownNameError
 from hexwar_sb3.kernels import Row, Rows
 from hexwar_sb3.maps.scenario import ScenarioLike
 from hexwar_sb3.rules import RuleSet
@@ -50,7 +50,7 @@ class Game:
 
     Example:
         >>> game = Game("plain", seed=0)
-        >>> game.submit("red", [Move("tank0", ["1134", "1234"])])
+        >>> game.submit("red", "tank0 move 1134 1234")
         [None]
         >>> events = game.advance(75)
     """
@@ -116,13 +116,13 @@ class Game:
     # --- playing ---------------------------------------------------------------------------------
 
     def submit(
-        self, camp: str, orders: Order | Iterable[Order], *, strict: bool | None = None
+        self, camp: str, orders: Order | str | Iterable[Order | str], *, strict: bool | None = None
     ) -> list[str | None]:
         """Give orders for the current tick; a later order for a piece replaces its earlier one.
 
         Args:
             camp: whose orders they are.
-            orders: one, or several.
+            orders: one, or several; as objects or as text, in which a line or ";" ends an order.
             strict: an illegal order raises, and none is taken. If not, it is taken as null and noted in the
                 replay: without a word if False, with an `IllegalOrderWarning` if nothing is said.
 
@@ -133,11 +133,11 @@ class Game:
             OrderError, UnknownNameError: an order that cannot be read or (`strict`) is illegal; then none is taken.
 
         Example:
-            >>> game.submit("red", orders, strict=False)
-            ["red tank0 is moving; ..."]
+            >>> game.submit("red", "tank0 move 1134 1234; chariot0 hide", strict=False)
+            [None, "red chariot0 is moving; ..."]
         """
         side = parse_camp(camp)
-        batch = list(orders) if isinstance(orders, Iterable) else [orders]
+        batch = list(_read(orders))
         rows = np.zeros(len(batch), ORDER).view(np.recarray)
         places = [self._write(side, order, row) for order, row in zip(batch, rows, strict=True)]
         advisor = self._advisor(side)
@@ -157,7 +157,9 @@ class Game:
 
     def _write(self, camp: Camp, order: Order, row: Row) -> int:
         if not isinstance(order, Order):
-            raise OrderError(f"expected an order such as Move('tank0', ['1134']), found {order!r}")
+            raise OrderError(
+                f"expected an order such as Move('tank0', ['1134']) or 'tank0 move 1134', found {order!r}"
+            )
         i = self.roster.own_index(camp, order.piece)
         write_order(order, i, row, self.roster, self.pieces, self.world.cells)
         return i
@@ -203,11 +205,12 @@ class Game:
         side = parse_camp(camp)
         return self._advisor(side).legal_orders(self.roster.own_index(side, piece))
 
-    def why_illegal(self, camp: str, order: Order) -> str | None:
+    def why_illegal(self, camp: str, order: Order | str) -> str | None:
         """Why the order would be refused now, as a sentence; None if it is legal."""
         try:
-            return self._advisor(parse_camp(camp)).why_illegal(order)
-        except OrderError as error:
+            given = Order.parse(order) if isinstance(order, str) else order
+            return self._advisor(parse_camp(camp)).why_illegal(given)
+        except (OrderError, UnknownNameError) as error:
             return str(error)
 
     def _advisor(self, camp: Camp) -> Advisor:
@@ -245,3 +248,23 @@ class Game:
 
     def __str__(self) -> str:
         return print_game(self.state, 0, self.world)
+
+    def __repr__(self) -> str:
+        name, end = self.world.scenario.name, int(self._row.end_tick)
+        margins = ", ".join(f"{camp} {self.margin(camp):+}" for camp in map(camp_name, SIDES))
+        over = f", {self.outcome}" if self.over else ""
+        return f"<Game {name!r}, seed {self.seed}: tick {self.tick} of {end}, margin {margins}{over}>"
+
+
+def _read(orders: Order | str | Iterable[Order | str]) -> Iterator[Order]:
+    """Orders one by one; what is no order comes out as it is, and is refused by its place."""
+    if isinstance(orders, str):
+        yield from (Order.parse(line) for line in orders.replace(";", "\n").splitlines() if line.strip())
+    elif isinstance(orders, Iterable):
+        for order in orders:
+            if isinstance(order, str):
+                yield from _read(order)
+            else:
+                yield order
+    else:
+        yield orders

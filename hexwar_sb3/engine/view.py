@@ -57,6 +57,20 @@ class OwnPiece:
     passenger: str | None
     sees: tuple[str, ...]  # enemies that this piece itself sees
 
+    def __str__(self) -> str:
+        """One line: "tank0 1134, blood 3, moving to 1434; 10 GUN"."""
+        if not self.alive:
+            return f"{self.name} is destroyed"
+        place = f"aboard {self.aboard}" if self.aboard else self.cell
+        doing = f"moving to {self.path[-1]}" if self.path else self.doing
+        states = [word for word in ("hidden", "suppressed") if getattr(self, word) and word not in doing]
+        carried = [f"with {self.passenger} aboard"] if self.passenger else []
+        sees = [f"sees {', '.join(self.sees)}"] if self.sees else []
+        rounds = ", ".join(f"{left} {weapon}" for weapon, left in self.ammo)
+        return ", ".join([f"{self.name} {place}", f"blood {self.blood}", doing, *states, *carried, *sees]) + (
+            f"; {rounds}" if rounds else ""
+        )
+
     @property
     def cold_down(self) -> int:
         """The longest of the running timers (II-A: one cool-down property)."""
@@ -81,6 +95,12 @@ class SeenEnemy:
     speed: float  # cells a tick
     seen_since: int  # tick
 
+    def __str__(self) -> str:
+        """One line: "blue:tank0 seen in 2010, blood 2, moving to 2011"."""
+        going = [f"moving to {self.next_cell}"] if self.next_cell else []
+        states = [word for word in ("hidden", "suppressed") if getattr(self, word)]
+        return ", ".join([f"{self.name} seen in {self.cell}", f"blood {self.blood}", *going, *states])
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LostEnemy:
@@ -91,6 +111,12 @@ class LostEnemy:
     cell: str
     blood: int
     unseen_ticks: int
+
+    def __str__(self) -> str:
+        """One line: "blue:tank0 last seen in 2010, 40 ticks ago, blood 2"."""
+        if self.blood == 0:
+            return f"{self.name} was seen to be destroyed"
+        return f"{self.name} last seen in {self.cell}, {self.unseen_ticks} ticks ago, blood {self.blood}"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -146,6 +172,26 @@ class SideView:
         """Plain values for a file, without the map."""
         names = (entry.name for entry in fields(self) if entry.compare)
         return {name: _plain(getattr(self, name)) for name in names}
+
+    def __str__(self) -> str:
+        """What a person wants to read first; all of it is in the fields."""
+        points = ", ".join(f"{point.name} {point.cell} {point.owner}" for point in self.points)
+        margin = f"own {self.own_total}, margin as known {self.known_margin:+}"
+        lines = [
+            f"{self.camp}, tick {self.tick} of {self.tick + self.ticks_left}: {margin}; {points or 'no points'}",
+            *(f"  {piece}" for piece in self.own),
+            *(f"  {enemy}" for enemy in (*self.seen, *self.lost)),
+        ]
+        if self.unseen:
+            lines.append("  never seen: " + ", ".join(enemy.name for enemy in self.unseen))
+        for name in ("fights", "bursting"):
+            if getattr(self, name):
+                lines.append(f"  {name} in " + ", ".join(getattr(self, name)))
+        return "\n".join(lines)
+
+    def _repr_pretty_(self, printer: Any, cycle: bool) -> None:
+        """In notebooks."""
+        printer.text(str(self))
 
     def piece(self, name: str) -> OwnPiece:
         """An own piece by its name.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import Any
 
 import pytest
@@ -12,7 +13,7 @@ from hexwar_sb3.engine.game import Game
 from hexwar_sb3.engine.game_events import of_kind
 from hexwar_sb3.engine.orders import GuideShoot, Hide, IndirectShoot, Move, Null, Order, Shoot, Stop
 from hexwar_sb3.engine.record import state_hash
-from hexwar_sb3.errors import ConfigError, OrderError, UnknownNameError
+from hexwar_sb3.errors import ConfigError, HexWarError, OrderError, UnknownNameError
 from hexwar_sb3.maps.files import load_scenario
 from hexwar_sb3.rules import default_rules
 
@@ -244,7 +245,7 @@ def test_a_seed_is_a_whole_number(seed: Any) -> None:
         Game(seed=seed)
 
 
-@pytest.mark.parametrize("wrong", [None, "move", 3, [None]])
+@pytest.mark.parametrize("wrong", [None, 3, [None]])
 def test_what_is_no_order_is_met_with_an_example(wrong: Any) -> None:
     with pytest.raises(OrderError, match=r"expected an order such as Move\("):
         Game().submit("red", wrong)
@@ -285,3 +286,53 @@ def test_legal_orders_are_taken_alike(strict: bool | None) -> None:
 def test_who_takes_illegal_orders_on_purpose_hears_nothing() -> None:
     game = Game()
     assert game.submit("red", ILLEGAL, strict=False) == [game.why_illegal("red", ILLEGAL)]
+
+
+def test_orders_may_be_text() -> None:
+    texts, objects = Game("plain", seed=0), Game("plain", seed=0)
+
+    said = texts.submit("red", "tank0 move 1134 1234; tank1 move W\n\naerocraft0 hide", strict=False)
+    assert said == objects.submit(
+        "red", [Move("tank0", ["1134", "1234"]), Move("tank1", "W"), Hide("aerocraft0")], strict=False
+    )
+    assert texts.submit("blue", ["tank0 stop", Null("tank1")], strict=False)[1] is None
+    objects.submit("blue", [Stop("tank0"), Null("tank1")], strict=False)
+    texts.advance(75)
+    objects.advance(75)
+    assert state_hash(texts.state, 0) == state_hash(objects.state, 0)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("tank0 mvoe 1134", "unknown action 'mvoe'; did you mean 'move'"),
+        ("tank0", "expected a piece and an action, like 'tank0 move 1134'"),
+        ("tank7 hide", "unknown piece 'red:tank7'; did you mean 'red:tank"),
+        ("blue:tank0 hide", "blue:tank0 does not belong to red"),
+        ("tank0 move 9999", "cell '9999' is off the map"),
+        ("tank0 shoot blue:tank0 GNU", "unknown weapon 'GNU'; did you mean 'GUN'"),
+        ("tank0 shoot blue:tank0", "tank0 shoot: expected target weapon, found 1 parameters"),
+    ],
+)
+def test_text_that_is_no_order_is_met_with_a_hint_and_none_is_taken(text: str, message: str) -> None:
+    game = Game("plain")
+    before = state_hash(game.state, 0)
+
+    with pytest.raises(HexWarError, match=re.escape(message)):
+        game.submit("red", f"tank1 move W; {text}")
+    assert state_hash(game.state, 0) == before
+    assert message in str(game.why_illegal("red", text))
+
+
+def test_a_game_and_a_view_say_what_they_are() -> None:
+    game = Game.from_text(f"{DUEL}\npoint main 0202 80")
+    assert repr(game).startswith("<Game ")
+    assert "tick 0 of 1800, margin red " in repr(game)
+    game.submit("red", "tank0 move 0203")
+    game.advance(1)
+
+    lines = str(game.view("red")).splitlines()
+    assert lines[0].startswith("red, tick 1 of 1800: own ")
+    assert lines[1].startswith("  tank0 0103, blood 3, moving to 0203")
+    assert any(line.startswith("  blue:tank0 seen in 0403, blood 3") for line in lines)
+    assert len(lines) < 10

@@ -129,7 +129,7 @@ def test_an_unreadable_order_says_what_was_expected(text: str, message: str) -> 
         (Shoot("tank0", "blue:tank7", "GUN"), "unknown piece 'blue:tank7'; did you mean 'blue:tank1'?"),
         (Move("tank0", ["113"]), "cell '113': expected four digits, column then row"),
         (IndirectShoot("chariot0", "9999"), "cell '9999' is off the map: columns 01-71 (01-70 in even rows), rows 01-70"),
-        ("tank0 hide", "expected an order such as Move('tank0', ['1134']), found 'tank0 hide'"),
+        (7, "expected an order such as Move('tank0', ['1134']) or 'tank0 move 1134', found 7"),
     ],
 )  # fmt: skip
 def test_an_order_about_what_does_not_exist_is_not_taken(order: Order, message: str, game: Game) -> None:

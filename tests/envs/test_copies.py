@@ -54,7 +54,7 @@ def play_engine(engine: Engine) -> list[Any]:
         engine.reset(range(len(engine)))
         engine.submit(0, "red", [Move("tank0", ["1134"])])
     engine.advance(75)
-    return [engine.margins("red"), engine.state.pieces.tolist(), str(engine.view(0, "red"))]
+    return [engine.margins("red"), engine.state.pieces.tolist(), repr(engine.view(0, "red"))]
 
 
 def play_env(env: Any) -> list[Any]:
