@@ -34,8 +34,8 @@ from hexwar_sb3.cache import cache
 
 Function = TypeVar("Function", bound=Callable[..., object])
 
-Row: TypeAlias = Any  # one record of a record array; numpy cannot type its fields
-Rows: TypeAlias = Any  # a record array
+Row: TypeAlias = Any  # one record of a batch that Python walks; kernels name the record's class (records.py)
+Rows: TypeAlias = Any  # an array, or records, of a batch
 
 READ, COMPILED = "read", "compiled"
 counts: Counter[str] = Counter()  # of kernels in this process: read from the cache, compiled

@@ -3,23 +3,30 @@
 from __future__ import annotations
 
 from hexwar_sb3.bots.chance import act_at_random
+from hexwar_sb3.bots.config import BotConfig, Style
 from hexwar_sb3.bots.draw import draw_player
 from hexwar_sb3.bots.drawn import think_drawn
 from hexwar_sb3.bots.duties import order_duties
 from hexwar_sb3.bots.fire import guide_missiles, lob_rounds
 from hexwar_sb3.bots.ladder import climb
 from hexwar_sb3.bots.points import choose_people, first_points, move_idle
+from hexwar_sb3.bots.records import AtlasRecord, BrainRecord
 from hexwar_sb3.bots.registry import Bot
 from hexwar_sb3.bots.unseen import think_unseen
 from hexwar_sb3.bots.weigh import known_lead, renew_trust
-from hexwar_sb3.kernels import Row, Rows, kernel
+from hexwar_sb3.engine.records import GameRecord, Memory, Orders, Pieces, Rounds
+from hexwar_sb3.kernels import Rows, kernel
+from hexwar_sb3.maps.cells import Cells, Sightlines, TravelTimes
+from hexwar_sb3.rules.compiled import RulesRecord
+from hexwar_sb3.rules.indices import CampIndex, piece_range
 from hexwar_sb3.tasks.known import end_piece, first_piece
+from hexwar_sb3.tasks.records import Plans
 
 
 @kernel
 def bot_act(
-    bot: int, camp: int, game: Row, pieces: Rows, memory: Rows, rounds: Rows, orders: Rows,
-    plans: Rows, brains: Rows, rules: Row, cells: Rows, los: Rows, eta: Rows, atlas: Row,
+    bot: int, camp: CampIndex, game: GameRecord, pieces: Pieces, memory: Memory, rounds: Rounds, orders: Orders,
+    plans: Plans, brains: Rows, rules: RulesRecord, cells: Cells, los: Sightlines, eta: TravelTimes, atlas: AtlasRecord,
 ) -> None:  # fmt: skip
     """Let a bot look at its game at an event tick: it may choose plans and give direct orders."""
     brain = brains[camp]
@@ -45,13 +52,13 @@ def bot_act(
 
 
 @kernel
-def next_thought(brain: Row, tick: int) -> int:
+def next_thought(brain: BrainRecord, tick: int) -> int:
     """First tick after `tick` at which the bot wants to act though nothing happens."""
     return max(int(brain.wake_at), tick + 1)
 
 
 @kernel
-def is_time_to_think(camp: int, game: Row, brain: Row, config: Row) -> bool:
+def is_time_to_think(camp: CampIndex, game: GameRecord, brain: BrainRecord, config: BotConfig) -> bool:
     """Every `think_ticks`, and soon after an own loss or a new contact; sets when the bot wakes next."""
     tick = int(game.tick)
     news = game.loss_tick[camp] != brain.loss_at or game.contact_tick[camp] != brain.contact_at
@@ -71,8 +78,8 @@ def is_time_to_think(camp: int, game: Row, brain: Row, config: Row) -> bool:
 
 @kernel
 def support(
-    style: Row, camp: int, game: Row, pieces: Rows, memory: Rows, rounds: Rows, orders: Rows, brain: Row,
-    rules: Row, cells: Rows, config: Row,
+    style: Style, camp: CampIndex, game: GameRecord, pieces: Pieces, memory: Memory, rounds: Rounds, orders: Orders, brain: BrainRecord,
+    rules: RulesRecord, cells: Cells, config: BotConfig,
 ) -> None:  # fmt: skip
     """Look for guided shots while in contact, and for targets of the mortars."""
     tick = int(game.tick)
@@ -87,8 +94,8 @@ def support(
 
 @kernel
 def think(
-    style: Row, camp: int, game: Row, pieces: Rows, memory: Rows, rounds: Rows, plans: Rows, brain: Row,
-    rules: Row, cells: Rows, los: Rows, eta: Rows, atlas: Row,
+    style: Style, camp: CampIndex, game: GameRecord, pieces: Pieces, memory: Memory, rounds: Rounds, plans: Plans, brain: BrainRecord,
+    rules: RulesRecord, cells: Cells, los: Sightlines, eta: TravelTimes, atlas: AtlasRecord,
 ) -> None:  # fmt: skip
     """One thought of a full player: what is known, who takes and keeps which point, what everybody does."""
     config = atlas.config
@@ -102,9 +109,9 @@ def think(
 
 
 @kernel
-def sees_any(camp: int, game: Row, pieces: Rows) -> bool:
+def sees_any(camp: CampIndex, game: GameRecord, pieces: Pieces) -> bool:
     """An own piece sees an enemy."""
-    for i in range(first_piece(camp, game), end_piece(camp, game)):
+    for i in piece_range(first_piece(camp, game), end_piece(camp, game)):
         if pieces[i].sees != 0:
             return True
     return False

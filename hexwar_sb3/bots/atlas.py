@@ -11,16 +11,18 @@ import numpy as np
 import numpy.typing as npt
 
 from hexwar_sb3.bots.config import ATTACK, CONFIG, DEFENCE, compiled
-from hexwar_sb3.bots.records import ATLAS, BAND_CELLS, POSTS, REACH, SHELTERS, SPENT, UPHILL
+from hexwar_sb3.bots.records import ATLAS, BAND_CELLS, POSTS, REACH, SHELTERS, SPENT, UPHILL, AtlasRecord
 from hexwar_sb3.engine.fire import height_correction
 from hexwar_sb3.engine.pieces import target_class
 from hexwar_sb3.engine.records import NO_CELL
 from hexwar_sb3.engine.sight import line_of_sight
 from hexwar_sb3.engine.world import World
 from hexwar_sb3.kernels import Row, Rows, kernel
+from hexwar_sb3.maps.cells import Cells, Sightlines, TravelTimes
 from hexwar_sb3.maps.geometry import cells_apart
-from hexwar_sb3.rules.compiled import NO_POOL
+from hexwar_sb3.rules.compiled import NO_POOL, RulesRecord
 from hexwar_sb3.rules.enums import Camp, HopClass, PieceType, Weapon
+from hexwar_sb3.rules.indices import CampIndex, CellIndex, cell_range
 from hexwar_sb3.tasks.shots import expected_value
 
 AROUND_CELLS = 5
@@ -75,16 +77,16 @@ def _ring_offsets() -> npt.NDArray[np.int8]:
 def _fill_points(row: Row, camp: int, world: World) -> None:
     for k, point in enumerate(world.scenario.points):
         for band, (nearest, farthest) in enumerate(BAND_CELLS):
-            cells = _best_posts(camp, point.cell, nearest, farthest, row, world)
+            cells = _best_posts(CampIndex(camp), CellIndex(point.cell), nearest, farthest, row, world)
             row.post[camp, k, band, : len(cells)] = cells
 
 
 def _best_posts(
-    camp: int, point: int, nearest: int, farthest: int, row: Row, world: World
+    camp: CampIndex, point: CellIndex, nearest: int, farthest: int, row: Row, world: World
 ) -> npt.NDArray[np.int64]:
     """The best firing cells of one band, best first; ties by the cell in the camp's frame."""
     worth = np.full(world.cells.size, -np.inf)
-    rate_posts(point, nearest, farthest, int(row.home[camp]), world.cells, world.los, world.eta, worth)
+    rate_posts(point, nearest, farthest, CellIndex(row.home[camp]), world.cells, world.los, world.eta, worth)
     return _best(worth, camp, world.cells, POSTS)
 
 
@@ -97,10 +99,17 @@ def _best(worth: npt.NDArray[np.float64], camp: int, cells: Rows, count: int) ->
 
 @kernel
 def rate_posts(
-    point: int, nearest: int, farthest: int, home: int, cells: Rows, los: Rows, eta: Rows, worth: Rows
+    point: CellIndex,
+    nearest: int,
+    farthest: int,
+    home: CellIndex,
+    cells: Cells,
+    los: Sightlines,
+    eta: TravelTimes,
+    worth: Rows,
 ) -> None:
     """Write to worth[cell] how good each cell is as a firing post of a control point (bots.md, section 1)."""
-    for cell in range(cells.size):
+    for cell in cell_range(cells.size):
         apart = cells_apart(cells, cell, point)
         way = eta[HopClass.VEHICLE, cell, home]
         if apart < nearest or apart > farthest or cells[cell].passable == 0 or way == NO_WAY:
@@ -108,7 +117,7 @@ def rate_posts(
         if not line_of_sight(los, 0, cell, point):
             continue
         seen = 0
-        for near in range(cells.size):
+        for near in cell_range(cells.size):
             if cells_apart(cells, near, point) <= VIEW_CELLS and line_of_sight(los, 0, cell, near):
                 seen += 1
         score = 0.1 * seen - 0.1 * way
@@ -120,7 +129,7 @@ def rate_posts(
 
 
 @kernel
-def fill_danger(danger: Rows, rules: Row) -> None:
+def fill_danger(danger: Rows, rules: RulesRecord) -> None:
     """Expected points of the best weapon's shot, at full blood on both sides.
 
     Args:
@@ -137,7 +146,7 @@ def fill_danger(danger: Rows, rules: Row) -> None:
 
 
 @kernel
-def best_value(row: int, target: int, shelter: int, uphill: int, apart: int, rules: Row) -> float:
+def best_value(row: int, target: int, shelter: int, uphill: int, apart: int, rules: RulesRecord) -> float:
     """Expected points of the best weapon of a shooter (a row of the danger table) at a distance."""
     best = 0.0
     kind = PieceType.CHARIOT if row == SPENT else row
@@ -156,7 +165,9 @@ def best_value(row: int, target: int, shelter: int, uphill: int, apart: int, rul
 
 
 @kernel
-def cell_at(cell: int, dq: int, dr: int, camp: int, cells: Rows, atlas: Row) -> int:
+def cell_at(
+    cell: CellIndex, dq: int, dr: int, camp: CampIndex, cells: Cells, atlas: AtlasRecord
+) -> CellIndex:
     """The cell a cube step away, the step taken in the camp's frame; NO_CELL off the map."""
     if camp == Camp.BLUE:
         dq = -dq - dr
@@ -166,5 +177,5 @@ def cell_at(cell: int, dq: int, dr: int, camp: int, cells: Rows, atlas: Row) -> 
     x = cells[cell].q + dq + (r - (r & 1)) // 2
     if x < 0 or x >= atlas.width:
         return NO_CELL
-    there = r * atlas.width + x
+    there = CellIndex(r * atlas.width + x)
     return there if cells[there].playable else NO_CELL

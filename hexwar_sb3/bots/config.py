@@ -7,12 +7,12 @@ with `BOTS_VERSION`; `bots_hash()`, of what they do, goes into every result.
 from __future__ import annotations
 
 import hashlib
-from dataclasses import astuple, dataclass, fields
+from dataclasses import astuple, dataclass
 
 import numpy as np
-from numpy.typing import DTypeLike
 
 from hexwar_sb3.bots.registry import BOTS_VERSION, DRAWN_VERSION
+from hexwar_sb3.records import dtype_of
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -129,25 +129,13 @@ class BotConfig:
 CONFIG = BotConfig()
 
 
-def _dtype_of(config: object) -> np.dtype[np.void]:
-    """One field a threshold: whole numbers as i4, others as f4, styles as records of their own."""
-    names: list[tuple[str, DTypeLike] | tuple[str, DTypeLike, tuple[int, ...]]] = []
-    for entry in fields(config):  # type: ignore[arg-type]
-        value = getattr(config, entry.name)
-        if isinstance(value, tuple):
-            names.append((entry.name, "f4", (len(value),)))
-        else:
-            names.append((entry.name, "i4" if isinstance(value, int) else "f4"))
-    return np.dtype(names, align=True)
-
-
-BOT_CONFIG = _dtype_of(CONFIG)
-STYLE = _dtype_of(ATTACK)
+BOT_CONFIG = dtype_of(BotConfig)
+STYLE = dtype_of(Style)
 
 
 def compiled(config: BotConfig | Style) -> np.void:
     """Thresholds as one record, the form that kernels read."""
-    return np.array([astuple(config)], _dtype_of(config))[0]
+    return np.array([astuple(config)], dtype_of(type(config)))[0]
 
 
 # Digests of games that the players play (tests/bots/test_hash.py): another behaviour makes another one.

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from hexwar_sb3.bots.drawn_records import SQUADS, STAGES
+from hexwar_sb3.bots.drawn_records import SQUADS, STAGES, CharacterRecord
 from hexwar_sb3.bots.records import BANDS, POSTS
 from hexwar_sb3.bots.registry import Bot, Duty, Event, Pilot
 from hexwar_sb3.engine.dice import splitmix64
-from hexwar_sb3.kernels import Row, Rows, kernel
+from hexwar_sb3.engine.records import GameRecord, Pieces
+from hexwar_sb3.kernels import Row, kernel
 from hexwar_sb3.rules.enums import PieceType
+from hexwar_sb3.rules.indices import CampIndex, SlotIndex, piece_range
 from hexwar_sb3.tasks.known import end_piece, first_piece
 
 LAST_DUTY, LAST_EVENT, LAST_PILOT = max(Duty).value, max(Event).value, max(Pilot).value
@@ -42,7 +44,7 @@ def one_in(share: float, key: np.uint64, place: int) -> int:
 
 
 @kernel
-def draw_player(bot: int, camp: int, game: Row, pieces: Rows, drawn: Row) -> None:
+def draw_player(bot: int, camp: CampIndex, game: GameRecord, pieces: Pieces, drawn: CharacterRecord) -> None:
     """Draw the member `drawn.member` of a family; member 0 stands for one that the game's seed picks.
 
     Args:
@@ -92,17 +94,19 @@ def draw_style(key: np.uint64, style: Row) -> None:
 
 
 @kernel
-def draw_squads(key: np.uint64, camp: int, game: Row, pieces: Rows, drawn: Row) -> None:
+def draw_squads(
+    key: np.uint64, camp: CampIndex, game: GameRecord, pieces: Pieces, drawn: CharacterRecord
+) -> None:
     """Deal the pieces out to squads; most soldiers go with their chariot."""
     first = first_piece(camp, game)
     squads = whole(1, SQUADS, key, _SQUAD)
-    for i in range(first, end_piece(camp, game)):
-        drawn.squad[i - first] = whole(0, squads - 1, key, _SQUAD + 1 + i - first)
-        drawn.post[i - first] = whole(0, BANDS * POSTS - 1, key, _SLOT + i - first)
-    for i in range(first, end_piece(camp, game)):
+    for i in piece_range(first, end_piece(camp, game)):
+        drawn.squad[SlotIndex(i - first)] = whole(0, squads - 1, key, _SQUAD + 1 + i - first)
+        drawn.post[SlotIndex(i - first)] = whole(0, BANDS * POSTS - 1, key, _SLOT + i - first)
+    for i in piece_range(first, end_piece(camp, game)):
         home = int(pieces[i].home)
         if home >= 0 and one_in(0.8, key, _SQUAD + 50 + i - first):
-            drawn.squad[i - first] = drawn.squad[home - first]
+            drawn.squad[SlotIndex(i - first)] = drawn.squad[SlotIndex(home - first)]
     last_point = max(0, int(game.n_points) - 1)
     for s in range(SQUADS):
         drawn.point[s] = whole(0, last_point, key, _SQUAD + 100 + s)
@@ -111,7 +115,7 @@ def draw_squads(key: np.uint64, camp: int, game: Row, pieces: Rows, drawn: Row) 
 
 
 @kernel
-def draw_plan(key: np.uint64, game: Row, drawn: Row) -> None:
+def draw_plan(key: np.uint64, game: GameRecord, drawn: CharacterRecord) -> None:
     """What a member of "drawn" does in its own way."""
     end, last_point = int(game.end_tick), max(0, int(game.n_points) - 1)
     for s in range(SQUADS):
@@ -131,7 +135,7 @@ def draw_plan(key: np.uint64, game: Row, drawn: Row) -> None:
 
 
 @kernel
-def draw_timetable(key: np.uint64, game: Row, drawn: Row) -> None:
+def draw_timetable(key: np.uint64, game: GameRecord, drawn: CharacterRecord) -> None:
     """What the squads of a member of "drawn-unseen" do one after the other."""
     end, last_point = int(game.end_tick), max(0, int(game.n_points) - 1)
     for s in range(SQUADS):

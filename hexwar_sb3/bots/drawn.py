@@ -5,23 +5,26 @@ from __future__ import annotations
 from hexwar_sb3.bots.duties import best_prey, order_duty, takes_orders
 from hexwar_sb3.bots.plans import attack, give_plan
 from hexwar_sb3.bots.points import choose_people, first_points, move_idle
-from hexwar_sb3.bots.records import BANDS
+from hexwar_sb3.bots.records import BANDS, AtlasRecord, BrainRecord
 from hexwar_sb3.bots.registry import Pilot
 from hexwar_sb3.bots.scout import air_prey
 from hexwar_sb3.bots.weigh import known_lead, renew_trust, threat_at
-from hexwar_sb3.engine.records import NO_CELL, NO_PIECE
-from hexwar_sb3.kernels import Row, Rows, kernel
+from hexwar_sb3.engine.records import NO_CELL, NO_PIECE, GameRecord, Memory, Pieces, Rounds
+from hexwar_sb3.kernels import kernel
+from hexwar_sb3.maps.cells import Cells, Sightlines, TravelTimes
+from hexwar_sb3.rules.compiled import RulesRecord
 from hexwar_sb3.rules.enums import PieceType
+from hexwar_sb3.rules.indices import CampIndex, CellIndex, PieceIndex, SlotIndex, piece_range, slot_range
 from hexwar_sb3.tasks.known import end_piece, first_piece
-from hexwar_sb3.tasks.records import TaskKind
+from hexwar_sb3.tasks.records import Plans, TaskKind
 
 FAR_BAND = BANDS - 1  # of the atlas's posts: where those wait who set out later
 
 
 @kernel
 def think_drawn(
-    camp: int, game: Row, pieces: Rows, memory: Rows, rounds: Rows, plans: Rows, brain: Row,
-    rules: Row, cells: Rows, los: Rows, eta: Rows, atlas: Row,
+    camp: CampIndex, game: GameRecord, pieces: Pieces, memory: Memory, rounds: Rounds, plans: Plans, brain: BrainRecord,
+    rules: RulesRecord, cells: Cells, los: Sightlines, eta: TravelTimes, atlas: AtlasRecord,
 ) -> None:  # fmt: skip
     """One thought of a member of "drawn"."""
     config, drawn = atlas.config, brain.drawn
@@ -32,7 +35,7 @@ def think_drawn(
     choose_people(drawn.style, camp, game, pieces, brain, rules, cells, eta, config)
     if drawn.stubborn == 0:
         move_idle(camp, game, pieces, memory, brain, cells, config, atlas)
-    for i in range(first_piece(camp, game), end_piece(camp, game)):
+    for i in piece_range(first_piece(camp, game), end_piece(camp, game)):
         if not takes_orders(pieces[i], game):
             continue
         if not has_own_way(i, camp, game, pieces, memory, plans, brain, rules, cells, los, eta, atlas):
@@ -42,12 +45,14 @@ def think_drawn(
 
 
 @kernel
-def share_points(camp: int, game: Row, pieces: Rows, brain: Row, atlas: Row) -> None:
+def share_points(
+    camp: CampIndex, game: GameRecord, pieces: Pieces, brain: BrainRecord, atlas: AtlasRecord
+) -> None:
     """Say at the first thought, and where a feint ends, for which point each piece works."""
     drawn = brain.drawn
     if brain.thoughts == 1:
         first_points(camp, game, pieces, brain, atlas)
-    for slot in range(end_piece(camp, game) - first_piece(camp, game)):
+    for slot in slot_range(end_piece(camp, game) - first_piece(camp, game)):
         s = int(drawn.squad[slot])
         feints = game.tick < drawn.turn[s]
         turns = brain.stage[s] == 0 and not feints  # the squad's own point from now on
@@ -62,18 +67,18 @@ def share_points(camp: int, game: Row, pieces: Rows, brain: Row, atlas: Row) -> 
 
 @kernel
 def has_own_way(
-    i: int, camp: int, game: Row, pieces: Rows, memory: Rows, plans: Rows, brain: Row,
-    rules: Row, cells: Rows, los: Rows, eta: Rows, atlas: Row,
+    i: PieceIndex, camp: CampIndex, game: GameRecord, pieces: Pieces, memory: Memory, plans: Plans, brain: BrainRecord,
+    rules: RulesRecord, cells: Cells, los: Sightlines, eta: TravelTimes, atlas: AtlasRecord,
 ) -> bool:  # fmt: skip
     """Let a piece wait, withdraw or hunt as it was drawn; False: it has its duty."""
-    piece, drawn, slot = pieces[i], brain.drawn, i - first_piece(camp, game)
+    piece, drawn, slot = pieces[i], brain.drawn, SlotIndex(i - first_piece(camp, game))
     s = int(drawn.squad[slot])
     if piece.kind == PieceType.AEROCRAFT:
         return flies_own_way(i, camp, game, pieces, memory, plans, brain, rules, cells, atlas)
     if game.tick < drawn.start[s] and brain.rush == 0:
-        cell = int(piece.cell)
+        cell = CellIndex(piece.cell)
         if drawn.staged == 1:
-            post = int(atlas.post[camp, brain.point[slot], FAR_BAND, slot % atlas.post.shape[3]])
+            post = CellIndex(atlas.post[camp, brain.point[slot], FAR_BAND, slot % atlas.post.shape[3]])
             cell = post if post != NO_CELL else cell
         brain.post[slot] = NO_CELL
         give_plan(drawn.style, i, TaskKind.HIDE, cell, game, plans)
@@ -82,7 +87,7 @@ def has_own_way(
         harm = threat_at(piece.kind, piece.cell, camp, pieces, memory, brain, rules, cells, los, atlas)
         if harm >= drawn.retreat_threat:
             brain.post[slot] = NO_CELL
-            give_plan(drawn.style, i, TaskKind.HIDE, int(atlas.home[camp]), game, plans)
+            give_plan(drawn.style, i, TaskKind.HIDE, CellIndex(atlas.home[camp]), game, plans)
             return True
     if (
         game.tick >= drawn.hunt[s]
@@ -99,8 +104,8 @@ def has_own_way(
 
 @kernel
 def flies_own_way(
-    i: int, camp: int, game: Row, pieces: Rows, memory: Rows, plans: Rows, brain: Row, rules: Row, cells: Rows,
-    atlas: Row,
+    i: PieceIndex, camp: CampIndex, game: GameRecord, pieces: Pieces, memory: Memory, plans: Plans, brain: BrainRecord, rules: RulesRecord, cells: Cells,
+    atlas: AtlasRecord,
 ) -> bool:  # fmt: skip
     """Let the aerocraft attack, or stay above its point; False: it scouts."""
     drawn = brain.drawn
@@ -110,7 +115,7 @@ def flies_own_way(
             attack(drawn.style, i, TaskKind.ATTACK, prey, game, plans)
             return True
     elif drawn.pilot == Pilot.PICKET and game.n_points > 0:
-        point = int(game.point_cell[brain.point[i - first_piece(camp, game)]])
+        point = CellIndex(game.point_cell[brain.point[SlotIndex(i - first_piece(camp, game))]])
         give_plan(drawn.style, i, TaskKind.HOLD, point, game, plans)
         return True
     return False

@@ -2,29 +2,34 @@
 
 from __future__ import annotations
 
+from hexwar_sb3.bots.config import Style
 from hexwar_sb3.bots.plans import give_plan
 from hexwar_sb3.bots.points import may_enter
 from hexwar_sb3.bots.posts import choose_post
+from hexwar_sb3.bots.records import AtlasRecord, BrainRecord
 from hexwar_sb3.bots.rides import carry, ride
 from hexwar_sb3.bots.scout import scout
 from hexwar_sb3.bots.weigh import enemy_near
 from hexwar_sb3.engine.pieces import in_fight, is_settled
-from hexwar_sb3.engine.records import NO_CELL, NO_PIECE
-from hexwar_sb3.kernels import Row, Rows, kernel
+from hexwar_sb3.engine.records import NO_CELL, NO_PIECE, GameRecord, Memory, PieceRecord, Pieces, Rounds
+from hexwar_sb3.kernels import kernel
+from hexwar_sb3.maps.cells import Cells, Sightlines, TravelTimes
+from hexwar_sb3.rules.compiled import RulesRecord
 from hexwar_sb3.rules.enums import PieceType
+from hexwar_sb3.rules.indices import CampIndex, PieceIndex, SlotIndex, piece_range, point_range
 from hexwar_sb3.tasks.known import end_piece, first_piece, ticks_left
 from hexwar_sb3.tasks.phi import has_flying_round
-from hexwar_sb3.tasks.records import TaskKind
+from hexwar_sb3.tasks.records import Plans, TaskKind
 from hexwar_sb3.tasks.travel import travel_ticks
 
 
 @kernel
 def order_duties(
-    style: Row, camp: int, game: Row, pieces: Rows, memory: Rows, rounds: Rows, plans: Rows, brain: Row,
-    rules: Row, cells: Rows, los: Rows, eta: Rows, atlas: Row,
+    style: Style, camp: CampIndex, game: GameRecord, pieces: Pieces, memory: Memory, rounds: Rounds, plans: Plans, brain: BrainRecord,
+    rules: RulesRecord, cells: Cells, los: Sightlines, eta: TravelTimes, atlas: AtlasRecord,
 ) -> None:  # fmt: skip
     """Give every piece of the camp that is on the map its plan."""
-    for i in range(first_piece(camp, game), end_piece(camp, game)):
+    for i in piece_range(first_piece(camp, game), end_piece(camp, game)):
         if takes_orders(pieces[i], game):
             order_duty(
                 style, i, camp, game, pieces, memory, rounds, plans, brain, rules, cells, los, eta, atlas
@@ -32,15 +37,15 @@ def order_duties(
 
 
 @kernel
-def takes_orders(piece: Row, game: Row) -> bool:
+def takes_orders(piece: PieceRecord, game: GameRecord) -> bool:
     """It lives, rides with nobody, and is in no close combat."""
     return piece.blood > 0 and piece.carrier == NO_PIECE and not in_fight(game, piece)
 
 
 @kernel
 def order_duty(
-    style: Row, i: int, camp: int, game: Row, pieces: Rows, memory: Rows, rounds: Rows, plans: Rows, brain: Row,
-    rules: Row, cells: Rows, los: Rows, eta: Rows, atlas: Row,
+    style: Style, i: PieceIndex, camp: CampIndex, game: GameRecord, pieces: Pieces, memory: Memory, rounds: Rounds, plans: Plans, brain: BrainRecord,
+    rules: RulesRecord, cells: Cells, los: Sightlines, eta: TravelTimes, atlas: AtlasRecord,
 ) -> None:  # fmt: skip
     """Give a piece its plan."""
     if pieces[i].kind == PieceType.AEROCRAFT:
@@ -56,7 +61,14 @@ def order_duty(
 
 @kernel
 def recovers(
-    i: int, camp: int, game: Row, pieces: Rows, memory: Rows, brain: Row, rules: Row, cells: Rows
+    i: PieceIndex,
+    camp: CampIndex,
+    game: GameRecord,
+    pieces: Pieces,
+    memory: Memory,
+    brain: BrainRecord,
+    rules: RulesRecord,
+    cells: Cells,
 ) -> bool:
     """A suppressed piece that stands, sees nobody and has time to gain works itself free."""
     piece = pieces[i]
@@ -68,26 +80,34 @@ def recovers(
 
 
 @kernel
-def stay(style: Row, i: int, camp: int, game: Row, pieces: Rows, brain: Row, plans: Rows) -> None:
+def stay(
+    style: Style,
+    i: PieceIndex,
+    camp: CampIndex,
+    game: GameRecord,
+    pieces: Pieces,
+    brain: BrainRecord,
+    plans: Plans,
+) -> None:
     """Stand where it is."""
-    brain.post[i - first_piece(camp, game)] = pieces[i].cell
+    brain.post[SlotIndex(i - first_piece(camp, game))] = pieces[i].cell
     give_plan(style, i, TaskKind.HOLD, pieces[i].cell, game, plans)
 
 
 @kernel
 def work(
-    style: Row, i: int, camp: int, game: Row, pieces: Rows, memory: Rows, plans: Rows, brain: Row,
-    rules: Row, cells: Rows, los: Rows, eta: Rows, atlas: Row,
+    style: Style, i: PieceIndex, camp: CampIndex, game: GameRecord, pieces: Pieces, memory: Memory, plans: Plans, brain: BrainRecord,
+    rules: RulesRecord, cells: Cells, los: Sightlines, eta: TravelTimes, atlas: AtlasRecord,
 ) -> None:  # fmt: skip
     """Take a point, keep one, carry a soldier, or fire from the best post."""
-    slot = i - first_piece(camp, game)
+    slot = SlotIndex(i - first_piece(camp, game))
     if pieces[i].passenger != NO_PIECE:
         carry(
             style, i, brain.point[slot], camp, game, pieces, memory, plans, brain, rules, cells, los, eta,
             atlas,
         )  # fmt: skip
         return
-    for p in range(game.n_points):
+    for p in point_range(game.n_points):
         if brain.keeper[p] == slot:
             brain.post[slot] = NO_CELL
             give_plan(style, i, TaskKind.HIDE, game.point_cell[p], game, plans)
@@ -109,23 +129,23 @@ def work(
 
 @kernel
 def take_post(
-    style: Row, i: int, camp: int, game: Row, pieces: Rows, memory: Rows, plans: Rows, brain: Row,
-    rules: Row, cells: Rows, los: Rows, eta: Rows, atlas: Row,
+    style: Style, i: PieceIndex, camp: CampIndex, game: GameRecord, pieces: Pieces, memory: Memory, plans: Plans, brain: BrainRecord,
+    rules: RulesRecord, cells: Cells, los: Sightlines, eta: TravelTimes, atlas: AtlasRecord,
 ) -> None:  # fmt: skip
     """Go to the best post and fire from it; hide there while nobody is in sight."""
     prey = NO_PIECE
     if style.hunt:
         prey = best_prey(i, camp, pieces, memory, brain, rules, cells, eta, atlas)
     cell = choose_post(style, i, prey, camp, game, pieces, memory, brain, rules, cells, los, eta, atlas)
-    brain.post[i - first_piece(camp, game)] = cell
+    brain.post[SlotIndex(i - first_piece(camp, game))] = cell
     hides = pieces[i].sees == 0 or style.always_hide
     give_plan(style, i, TaskKind.HIDE if hides else TaskKind.HOLD, cell, game, plans)
 
 
 @kernel
 def best_prey(
-    i: int, camp: int, pieces: Rows, memory: Rows, brain: Row, rules: Row, cells: Rows, eta: Rows, atlas: Row
-) -> int:  # fmt: skip
+    i: PieceIndex, camp: CampIndex, pieces: Pieces, memory: Memory, brain: BrainRecord, rules: RulesRecord, cells: Cells, eta: TravelTimes, atlas: AtlasRecord
+) -> PieceIndex:  # fmt: skip
     """Known enemy that is worth most for the way to it; NO_PIECE."""
     best, prey = 0.0, NO_PIECE
     for n in range(brain.n_foes):

@@ -5,11 +5,27 @@ Direct fire is the executor's; a bot only sets its style in the plans.
 
 from __future__ import annotations
 
+from hexwar_sb3.bots.config import BotConfig, Style
+from hexwar_sb3.bots.records import BrainRecord
 from hexwar_sb3.engine.pieces import is_settled, on_map, weapon_ammo
-from hexwar_sb3.engine.records import NEVER, NO_CELL, NO_PIECE, ROUND_FLYING
-from hexwar_sb3.kernels import Row, Rows, kernel
+from hexwar_sb3.engine.records import (
+    NEVER,
+    NO_CELL,
+    NO_PIECE,
+    ROUND_FLYING,
+    GameRecord,
+    Memory,
+    Orders,
+    PieceRecord,
+    Pieces,
+    Rounds,
+)
+from hexwar_sb3.kernels import kernel
+from hexwar_sb3.maps.cells import Cells
 from hexwar_sb3.maps.geometry import cells_apart
+from hexwar_sb3.rules.compiled import RulesRecord
 from hexwar_sb3.rules.enums import Action, PieceType, Weapon
+from hexwar_sb3.rules.indices import CampIndex, CellIndex, PieceIndex, piece_range
 from hexwar_sb3.tasks.bombard import mortar_value
 from hexwar_sb3.tasks.known import end_piece, first_piece, is_known
 from hexwar_sb3.tasks.phi import give, give_guided
@@ -18,14 +34,14 @@ from hexwar_sb3.tasks.shots import best_guided, best_shot, expect_loss
 
 @kernel
 def guide_missiles(
-    style: Row, camp: int, game: Row, pieces: Rows, memory: Rows, orders: Rows, brain: Row, rules: Row,
-    cells: Rows, config: Row,
+    style: Style, camp: CampIndex, game: GameRecord, pieces: Pieces, memory: Memory, orders: Orders, brain: BrainRecord, rules: RulesRecord,
+    cells: Cells, config: BotConfig,
 ) -> None:  # fmt: skip
     """Pair guiders (aerocraft first) with idle chariots, unless a direct shot is about as good."""
     first, end = first_piece(camp, game), end_piece(camp, game)
     taken = 0
     for flying in (True, False):
-        for i in range(first, end):
+        for i in piece_range(first, end):
             if pieces[i].sees == 0 or (pieces[i].kind == PieceType.AEROCRAFT) != flying:
                 continue
             value, target, chariot = best_guided(
@@ -43,8 +59,8 @@ def guide_missiles(
 
 @kernel
 def own_shots_do(
-    i: int, chariot: int, value: float, brain: Row, game: Row, pieces: Rows, memory: Rows, rules: Row,
-    cells: Rows,
+    i: PieceIndex, chariot: PieceIndex, value: float, brain: BrainRecord, game: GameRecord, pieces: Pieces, memory: Memory, rules: RulesRecord,
+    cells: Cells,
 ) -> bool:  # fmt: skip
     """The chariot's own shot, or the guider's, is worth at least so much."""
     direct, _, _ = best_shot(chariot, NO_PIECE, False, brain.allotted, game, pieces, memory, rules, cells)
@@ -56,10 +72,10 @@ def own_shots_do(
 
 @kernel
 def lob_rounds(
-    style: Row, camp: int, game: Row, pieces: Rows, memory: Rows, rounds: Rows, orders: Rows, rules: Row, cells: Rows, config: Row,
+    style: Style, camp: CampIndex, game: GameRecord, pieces: Pieces, memory: Memory, rounds: Rounds, orders: Orders, rules: RulesRecord, cells: Cells, config: BotConfig,
 ) -> None:  # fmt: skip
     """Fire the mortars of idle chariots at enemies that stand still."""
-    for i in range(first_piece(camp, game), end_piece(camp, game)):
+    for i in piece_range(first_piece(camp, game), end_piece(camp, game)):
         if orders[i].kind != Action.NULL or not may_lob(pieces[i], rules):
             continue
         cell = best_aim(style, i, camp, game, pieces, memory, rounds, rules, cells, config)
@@ -68,7 +84,7 @@ def lob_rounds(
 
 
 @kernel
-def may_lob(piece: Row, rules: Row) -> bool:
+def may_lob(piece: PieceRecord, rules: RulesRecord) -> bool:
     """A chariot with a round ready and nothing better to shoot at."""
     if piece.kind != PieceType.CHARIOT or not on_map(piece) or piece.suppressed or not is_settled(piece):
         return False
@@ -79,12 +95,12 @@ def may_lob(piece: Row, rules: Row) -> bool:
 
 @kernel
 def best_aim(
-    style: Row, i: int, camp: int, game: Row, pieces: Rows, memory: Rows, rounds: Rows, rules: Row,
-    cells: Rows, config: Row,
-) -> int:  # fmt: skip
+    style: Style, i: PieceIndex, camp: CampIndex, game: GameRecord, pieces: Pieces, memory: Memory, rounds: Rounds, rules: RulesRecord,
+    cells: Cells, config: BotConfig,
+) -> CellIndex:  # fmt: skip
     """Cell of the enemy that a round of chariot i is worth most on; NO_CELL: none is worth it."""
     best, aim = float(style.mortar_value), NO_CELL
-    for j in range(first_piece(1 - camp, game), end_piece(1 - camp, game)):
+    for j in piece_range(first_piece(CampIndex(1 - camp), game), end_piece(CampIndex(1 - camp), game)):
         known = memory[camp, j]
         if not is_known(known) or pieces[j].kind == PieceType.AEROCRAFT:
             continue
@@ -101,12 +117,12 @@ def best_aim(
             continue
         value = mortar_value(i, known.cell, known.seen == 1, game, pieces, memory, rules, cells)
         if value > best:
-            best, aim = value, int(known.cell)
+            best, aim = value, CellIndex(known.cell)
     return aim
 
 
 @kernel
-def is_under_fire(cell: int, camp: int, rounds: Rows) -> bool:
+def is_under_fire(cell: CellIndex, camp: CampIndex, rounds: Rounds) -> bool:
     """A round of the camp is in the air for this cell."""
     for r in range(rounds.size):
         if rounds[r].status == ROUND_FLYING and rounds[r].camp == camp and rounds[r].cell == cell:
@@ -115,9 +131,11 @@ def is_under_fire(cell: int, camp: int, rounds: Rows) -> bool:
 
 
 @kernel
-def own_near(cell: int, within: int, camp: int, game: Row, pieces: Rows, cells: Rows) -> bool:
+def own_near(
+    cell: CellIndex, within: int, camp: CampIndex, game: GameRecord, pieces: Pieces, cells: Cells
+) -> bool:
     """An own ground piece is within some cells of a cell."""
-    for i in range(first_piece(camp, game), end_piece(camp, game)):
+    for i in piece_range(first_piece(camp, game), end_piece(camp, game)):
         piece = pieces[i]
         if (
             piece.blood > 0

@@ -2,34 +2,38 @@
 
 from __future__ import annotations
 
+from hexwar_sb3.bots.records import AtlasRecord
 from hexwar_sb3.bots.registry import Bot
 from hexwar_sb3.engine.pieces import on_map
-from hexwar_sb3.engine.records import NO_CELL, NO_PIECE
+from hexwar_sb3.engine.records import NO_CELL, NO_PIECE, GameRecord, Memory, PieceRecord, Pieces
 from hexwar_sb3.engine.score import points_held
-from hexwar_sb3.kernels import Row, Rows, kernel
+from hexwar_sb3.kernels import kernel
+from hexwar_sb3.maps.cells import Cells, TravelTimes
 from hexwar_sb3.maps.geometry import cells_apart
+from hexwar_sb3.rules.compiled import RulesRecord
 from hexwar_sb3.rules.enums import PieceType
+from hexwar_sb3.rules.indices import CampIndex, CellIndex, PieceIndex, SlotIndex, piece_range, point_range
 from hexwar_sb3.tasks.choose import assign
 from hexwar_sb3.tasks.known import can_hurt, end_piece, first_piece, is_known
-from hexwar_sb3.tasks.records import TaskKind
+from hexwar_sb3.tasks.records import Plans, TaskKind
 from hexwar_sb3.tasks.travel import UNREACHABLE, travel_ticks
 
 
 @kernel
 def climb(
-    bot: int, camp: int, game: Row, pieces: Rows, memory: Rows, plans: Rows, rules: Row, cells: Rows,
-    eta: Rows, atlas: Row,
+    bot: int, camp: CampIndex, game: GameRecord, pieces: Pieces, memory: Memory, plans: Plans, rules: RulesRecord, cells: Cells,
+    eta: TravelTimes, atlas: AtlasRecord,
 ) -> None:  # fmt: skip
     """Give every piece of a simple player its task."""
     first = first_piece(camp, game)
-    for i in range(first, end_piece(camp, game)):
+    for i in piece_range(first, end_piece(camp, game)):
         if not on_map(pieces[i]):
             continue
         if bot == Bot.NEAREST or bot == Bot.DEFENDER:
             own = bot == Bot.DEFENDER and points_held(game, camp) > 0
             cell = nearest_point(i, own, camp, game, pieces, rules, cells, eta)
         else:
-            cell = planned_point(bot, i - first, game, pieces[i], atlas)
+            cell = planned_point(bot, SlotIndex(i - first), game, pieces[i], atlas)
         if cell == NO_CELL:
             hunt(i, camp, game, pieces, memory, plans, rules, cells, atlas)
         elif pieces[i].passenger != NO_PIECE and pieces[i].cell == cell:
@@ -41,7 +45,9 @@ def climb(
 
 
 @kernel
-def planned_point(bot: int, slot: int, game: Row, piece: Row, atlas: Row) -> int:
+def planned_point(
+    bot: int, slot: SlotIndex, game: GameRecord, piece: PieceRecord, atlas: AtlasRecord
+) -> CellIndex:
     """Cell of the point that a constant plan sends a piece to; NO_CELL: it hunts."""
     if game.n_points == 0:
         return NO_CELL
@@ -52,20 +58,27 @@ def planned_point(bot: int, slot: int, game: Row, piece: Row, atlas: Row) -> int
         if piece.kind == PieceType.TANK or piece.kind == PieceType.AEROCRAFT:
             return NO_CELL
         rank = slot % 2
-    return int(game.point_cell[atlas.rank[min(rank, game.n_points - 1)]])
+    return CellIndex(game.point_cell[atlas.rank[min(rank, game.n_points - 1)]])
 
 
 @kernel
 def nearest_point(
-    i: int, own: bool, camp: int, game: Row, pieces: Rows, rules: Row, cells: Rows, eta: Rows
-) -> int:
+    i: PieceIndex,
+    own: bool,
+    camp: CampIndex,
+    game: GameRecord,
+    pieces: Pieces,
+    rules: RulesRecord,
+    cells: Cells,
+    eta: TravelTimes,
+) -> CellIndex:
     """Cell of the control point that is quickest to reach, own or foreign; NO_CELL: there is none."""
     best, least = NO_CELL, UNREACHABLE
     piece = pieces[i]
-    for k in range(game.n_points):
+    for k in point_range(game.n_points):
         if (game.point_owner[k] == camp) != own:
             continue
-        cell = int(game.point_cell[k])
+        cell = CellIndex(game.point_cell[k])
         ticks = travel_ticks(piece.kind, piece.cell, cell, rules, cells, eta)
         if ticks < least:
             best, least = cell, ticks
@@ -74,11 +87,19 @@ def nearest_point(
 
 @kernel
 def hunt(
-    i: int, camp: int, game: Row, pieces: Rows, memory: Rows, plans: Rows, rules: Row, cells: Rows, atlas: Row
+    i: PieceIndex,
+    camp: CampIndex,
+    game: GameRecord,
+    pieces: Pieces,
+    memory: Memory,
+    plans: Plans,
+    rules: RulesRecord,
+    cells: Cells,
+    atlas: AtlasRecord,
 ) -> None:
     """Attack the nearest known enemy that the piece can hurt; with none known, go to the main point."""
     prey, least = NO_PIECE, cells.size
-    for j in range(first_piece(1 - camp, game), end_piece(1 - camp, game)):
+    for j in piece_range(first_piece(CampIndex(1 - camp), game), end_piece(CampIndex(1 - camp), game)):
         if not is_known(memory[camp, j]) or not can_hurt(pieces[i], pieces[j].kind, rules):
             continue
         apart = cells_apart(cells, pieces[i].cell, memory[camp, j].cell)

@@ -2,35 +2,41 @@
 
 from __future__ import annotations
 
-from hexwar_sb3.engine.records import NO_CELL, NO_PIECE
-from hexwar_sb3.kernels import Row, Rows, kernel
+from hexwar_sb3.bots.config import Style
+from hexwar_sb3.engine.records import NO_CELL, NO_PIECE, GameRecord
+from hexwar_sb3.kernels import kernel
+from hexwar_sb3.rules.indices import CellIndex, PieceIndex
 from hexwar_sb3.tasks.choose import assign
-from hexwar_sb3.tasks.records import TaskKind
+from hexwar_sb3.tasks.records import Plans, TaskKind
 
 
 @kernel
-def give_plan(style: Row, i: int, kind: int, cell: int, game: Row, plans: Rows) -> None:
+def give_plan(
+    style: Style, i: PieceIndex, kind: int, cell: CellIndex, game: GameRecord, plans: Plans
+) -> None:
     """Give piece i a task at a cell, in the player's fire style."""
     assign(plans[i], kind, NO_PIECE, cell, game.tick)
     set_style(style, i, kind, plans)
 
 
 @kernel
-def attack(style: Row, i: int, kind: int, target: int, game: Row, plans: Rows) -> None:
+def attack(
+    style: Style, i: PieceIndex, kind: int, target: PieceIndex, game: GameRecord, plans: Plans
+) -> None:
     """Give piece i a task at an enemy."""
     assign(plans[i], kind, target, NO_CELL, game.tick)
     set_style(style, i, kind, plans)
 
 
 @kernel
-def board(style: Row, i: int, chariot: int, game: Row, plans: Rows) -> None:
+def board(style: Style, i: PieceIndex, chariot: PieceIndex, game: GameRecord, plans: Plans) -> None:
     """Let soldier i board a chariot."""
     assign(plans[i], TaskKind.BOARD, chariot, NO_CELL, game.tick)
     set_style(style, i, TaskKind.BOARD, plans)
 
 
 @kernel
-def set_style(style: Row, i: int, kind: int, plans: Rows) -> None:
+def set_style(style: Style, i: PieceIndex, kind: int, plans: Plans) -> None:
     """The player's fire style for a task."""
     plan = plans[i]
     plan.covered = style.covered

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from hexwar_sb3.bots.atlas import cell_at
-from hexwar_sb3.bots.records import BANDS, POSTS, RING
+from hexwar_sb3.bots.config import Style
+from hexwar_sb3.bots.records import BANDS, POSTS, RING, AtlasRecord, BrainRecord
 from hexwar_sb3.bots.weigh import (
     danger_of,
     danger_row,
@@ -13,11 +14,14 @@ from hexwar_sb3.bots.weigh import (
     threat_at,
 )
 from hexwar_sb3.engine.pieces import stands_in
-from hexwar_sb3.engine.records import NO_CELL, NO_PIECE
+from hexwar_sb3.engine.records import NO_CELL, NO_PIECE, GameRecord, Memory, Pieces
 from hexwar_sb3.engine.sight import line_of_sight
-from hexwar_sb3.kernels import Row, Rows, kernel
+from hexwar_sb3.kernels import kernel
+from hexwar_sb3.maps.cells import Cells, Sightlines, TravelTimes
 from hexwar_sb3.maps.geometry import cells_apart
+from hexwar_sb3.rules.compiled import RulesRecord
 from hexwar_sb3.rules.enums import PieceType
+from hexwar_sb3.rules.indices import CampIndex, CellIndex, PieceIndex, PointIndex, SlotIndex, piece_range
 from hexwar_sb3.tasks.known import end_piece, first_piece
 from hexwar_sb3.tasks.travel import UNREACHABLE, travel_ticks
 
@@ -26,26 +30,26 @@ WORST = -1e9
 
 @kernel
 def choose_post(
-    style: Row, i: int, prey: int, camp: int, game: Row, pieces: Rows, memory: Rows, brain: Row,
-    rules: Row, cells: Rows, los: Rows, eta: Rows, atlas: Row,
-) -> int:  # fmt: skip
+    style: Style, i: PieceIndex, prey: PieceIndex, camp: CampIndex, game: GameRecord, pieces: Pieces, memory: Memory, brain: BrainRecord,
+    rules: RulesRecord, cells: Cells, los: Sightlines, eta: TravelTimes, atlas: AtlasRecord,
+) -> CellIndex:  # fmt: skip
     """The best post of piece i: the one it has unless another is clearly better.
 
     Args:
         prey: a known enemy, around which posts are looked for too, or NO_PIECE.
     """
-    slot = i - first_piece(camp, game)
+    slot = SlotIndex(i - first_piece(camp, game))
     k = brain.point[slot]
-    best = int(brain.post[slot])
+    best = CellIndex(brain.post[slot])
     bonus = style.move_gain
     if best == NO_CELL:
-        best, bonus = int(pieces[i].cell), 0.0
+        best, bonus = CellIndex(pieces[i].cell), 0.0
     best_score = bonus + post_score(
         style, i, best, k, WORST, camp, game, pieces, memory, brain, rules, cells, los, eta, atlas
     )
     around = memory[camp, prey].cell if prey != NO_PIECE else NO_CELL
-    for n in range(list_posts(int(pieces[i].cell), around, k, camp, brain, cells, atlas)):
-        cell = int(brain.choices[n])
+    for n in range(list_posts(CellIndex(pieces[i].cell), around, k, camp, brain, cells, atlas)):
+        cell = CellIndex(brain.choices[n])
         score = post_score(
             style, i, cell, k, best_score, camp, game, pieces, memory, brain, rules, cells, los, eta, atlas
         )  # fmt: skip
@@ -55,7 +59,15 @@ def choose_post(
 
 
 @kernel
-def list_posts(here: int, around: int, k: int, camp: int, brain: Row, cells: Rows, atlas: Row) -> int:
+def list_posts(
+    here: CellIndex,
+    around: CellIndex,
+    k: PointIndex,
+    camp: CampIndex,
+    brain: BrainRecord,
+    cells: Cells,
+    atlas: AtlasRecord,
+) -> int:
     """Fill `brain.choices` with cells worth a look, in the camp's order; returns their number.
 
     The atlas's posts of the point; with known enemies also the cells beside `here`; those in rings
@@ -64,7 +76,7 @@ def list_posts(here: int, around: int, k: int, camp: int, brain: Row, cells: Row
     count = 0
     for band in range(BANDS):
         for n in range(POSTS):
-            count = note_cell(int(atlas.post[camp, k, band, n]), count, brain, cells)
+            count = note_cell(CellIndex(atlas.post[camp, k, band, n]), count, brain, cells)
     if brain.n_foes > 0:
         for n in range(atlas.config.near_posts):
             cell = cell_at(here, atlas.around[n, 0], atlas.around[n, 1], camp, cells, atlas)
@@ -77,7 +89,7 @@ def list_posts(here: int, around: int, k: int, camp: int, brain: Row, cells: Row
 
 
 @kernel
-def note_cell(cell: int, count: int, brain: Row, cells: Rows) -> int:
+def note_cell(cell: CellIndex, count: int, brain: BrainRecord, cells: Cells) -> int:
     """Add a cell to the choices if ground pieces may stand there; returns the new count."""
     if cell == NO_CELL or cells[cell].passable == 0:
         return count
@@ -87,8 +99,8 @@ def note_cell(cell: int, count: int, brain: Row, cells: Rows) -> int:
 
 @kernel
 def post_score(
-    style: Row, i: int, cell: int, k: int, at_least: float, camp: int, game: Row, pieces: Rows, memory: Rows,
-    brain: Row, rules: Row, cells: Rows, los: Rows, eta: Rows, atlas: Row,
+    style: Style, i: PieceIndex, cell: CellIndex, k: PointIndex, at_least: float, camp: CampIndex, game: GameRecord, pieces: Pieces, memory: Memory,
+    brain: BrainRecord, rules: RulesRecord, cells: Cells, los: Sightlines, eta: TravelTimes, atlas: AtlasRecord,
 ) -> float:  # fmt: skip
     """Worth of a cell as the post of piece i, points; WORST where it cannot stand.
 
@@ -119,7 +131,7 @@ def post_score(
 
 @kernel
 def lasting_worth(
-    style: Row, kind: int, row: int, cell: int, point: int, rules: Row, cells: Rows, los: Rows, atlas: Row
+    style: Style, kind: int, row: int, cell: CellIndex, point: CellIndex, rules: RulesRecord, cells: Cells, los: Sightlines, atlas: AtlasRecord
 ) -> float:  # fmt: skip
     """What a cell is worth whoever is known: cover, and a duel with a tank that stands on the point."""
     worth = style.cover_weight * cells[cell].concealed
@@ -133,12 +145,14 @@ def lasting_worth(
 
 
 @kernel
-def is_taken(i: int, cell: int, camp: int, game: Row, pieces: Rows, brain: Row) -> bool:
+def is_taken(
+    i: PieceIndex, cell: CellIndex, camp: CampIndex, game: GameRecord, pieces: Pieces, brain: BrainRecord
+) -> bool:
     """Another own ground piece stands there or is on its way there: two in a cell are a better target."""
     first = first_piece(camp, game)
-    for other in range(first, end_piece(camp, game)):
+    for other in piece_range(first, end_piece(camp, game)):
         if other == i or pieces[other].blood == 0 or pieces[other].carrier != NO_PIECE:
             continue
-        if stands_in(pieces[other], cell) or brain.post[other - first] == cell:
+        if stands_in(pieces[other], cell) or brain.post[SlotIndex(other - first)] == cell:
             return True
     return False

@@ -2,53 +2,57 @@
 
 from __future__ import annotations
 
+from hexwar_sb3.bots.config import BotConfig, Style
 from hexwar_sb3.bots.plans import board, give_plan
 from hexwar_sb3.bots.points import may_enter
 from hexwar_sb3.bots.posts import choose_post
-from hexwar_sb3.bots.records import NOBODY
+from hexwar_sb3.bots.records import NOBODY, AtlasRecord, BrainRecord
 from hexwar_sb3.bots.weigh import enemy_near
 from hexwar_sb3.engine.pieces import on_map
-from hexwar_sb3.engine.records import NO_CELL, NO_PIECE
-from hexwar_sb3.kernels import Row, Rows, kernel
+from hexwar_sb3.engine.records import NO_CELL, NO_PIECE, GameRecord, Memory, Pieces
+from hexwar_sb3.kernels import kernel
+from hexwar_sb3.maps.cells import Cells, Sightlines, TravelTimes
 from hexwar_sb3.maps.geometry import cells_apart
+from hexwar_sb3.rules.compiled import RulesRecord
 from hexwar_sb3.rules.enums import PieceType
+from hexwar_sb3.rules.indices import CampIndex, PieceIndex, PointIndex, SlotIndex, piece_range
 from hexwar_sb3.tasks.known import end_piece, first_piece
-from hexwar_sb3.tasks.records import TaskKind
+from hexwar_sb3.tasks.records import Plans, TaskKind
 from hexwar_sb3.tasks.travel import travel_ticks
 
 
 @kernel
 def carry(
-    style: Row, i: int, k: int, camp: int, game: Row, pieces: Rows, memory: Rows, plans: Rows, brain: Row,
-    rules: Row, cells: Rows, los: Rows, eta: Rows, atlas: Row,
+    style: Style, i: PieceIndex, k: PointIndex, camp: CampIndex, game: GameRecord, pieces: Pieces, memory: Memory, plans: Plans, brain: BrainRecord,
+    rules: RulesRecord, cells: Cells, los: Sightlines, eta: TravelTimes, atlas: AtlasRecord,
 ) -> None:  # fmt: skip
     """Bring the soldier to its point if that is quiet, else to a post from which it can guide."""
     first = first_piece(camp, game)
     point = game.point_cell[k]
     quiet = not enemy_near(point, style.drop_cells, camp, pieces, memory, brain, cells)
-    brain.dropped_for[pieces[i].passenger - first] = k + 1
+    brain.dropped_for[SlotIndex(pieces[i].passenger - first)] = k + 1
     if (
         brain.taker[k] == i - first
         and quiet
         and may_enter(style, k, camp, game, pieces, memory, brain, rules, cells)
     ):
-        brain.post[i - first] = NO_CELL
+        brain.post[SlotIndex(i - first)] = NO_CELL
         give_plan(style, i, TaskKind.HOLD, point, game, plans)
     elif game.point_owner[k] == camp and quiet and brain.keeper[k] == NOBODY:
-        brain.post[i - first] = NO_CELL
+        brain.post[SlotIndex(i - first)] = NO_CELL
         give_plan(style, i, TaskKind.DROP, point, game, plans)
     else:
         cell = choose_post(
             style, i, NO_PIECE, camp, game, pieces, memory, brain, rules, cells, los, eta, atlas
         )
-        brain.post[i - first] = cell
+        brain.post[SlotIndex(i - first)] = cell
         give_plan(style, i, TaskKind.DROP, cell, game, plans)
 
 
 @kernel
 def ride(
-    style: Row, i: int, camp: int, game: Row, pieces: Rows, memory: Rows, plans: Rows, brain: Row,
-    rules: Row, cells: Rows, eta: Rows, config: Row,
+    style: Style, i: PieceIndex, camp: CampIndex, game: GameRecord, pieces: Pieces, memory: Memory, plans: Plans, brain: BrainRecord,
+    rules: RulesRecord, cells: Cells, eta: TravelTimes, config: BotConfig,
 ) -> bool:  # fmt: skip
     """A soldier far from its work and its idle chariot meet where the soldier stands; False: no such business."""
     piece = pieces[i]
@@ -62,11 +66,11 @@ def ride(
         return True
     if piece.kind != PieceType.CHARIOT or piece.passenger != NO_PIECE:
         return False
-    for s in range(first_piece(camp, game), end_piece(camp, game)):
+    for s in piece_range(first_piece(camp, game), end_piece(camp, game)):
         if pieces[s].home == i and wants_ride(
             s, camp, game, pieces, memory, brain, rules, cells, eta, config
         ):
-            brain.post[i - first_piece(camp, game)] = NO_CELL
+            brain.post[SlotIndex(i - first_piece(camp, game))] = NO_CELL
             give_plan(style, i, TaskKind.HOLD, pieces[s].cell, game, plans)
             return True
     return False
@@ -74,8 +78,8 @@ def ride(
 
 @kernel
 def wants_ride(
-    s: int, camp: int, game: Row, pieces: Rows, memory: Rows, brain: Row, rules: Row, cells: Rows,
-    eta: Rows, config: Row,
+    s: PieceIndex, camp: CampIndex, game: GameRecord, pieces: Pieces, memory: Memory, brain: BrainRecord, rules: RulesRecord, cells: Cells,
+    eta: TravelTimes, config: BotConfig,
 ) -> bool:  # fmt: skip
     """Soldier s has nobody to watch here, and work that is too far to walk to; its chariot is free."""
     soldier = pieces[s]
@@ -84,7 +88,7 @@ def wants_ride(
     chariot = pieces[soldier.home]
     if not on_map(chariot) or chariot.passenger != NO_PIECE or chariot.suppressed:
         return False
-    slot = s - first_piece(camp, game)
+    slot = SlotIndex(s - first_piece(camp, game))
     k = brain.point[slot]
     point = game.point_cell[k]
     needed = game.point_owner[k] == camp and brain.keeper[k] == NOBODY

@@ -3,24 +3,29 @@
 from __future__ import annotations
 
 from hexwar_sb3.bots.atlas import cell_at
+from hexwar_sb3.bots.config import Style
+from hexwar_sb3.bots.records import AtlasRecord, BrainRecord
 from hexwar_sb3.bots.weigh import gain_at, threat_at
-from hexwar_sb3.engine.records import NO_CELL, NO_PIECE
-from hexwar_sb3.kernels import Row, Rows, kernel
+from hexwar_sb3.engine.records import NO_CELL, NO_PIECE, GameRecord, Memory, Pieces
+from hexwar_sb3.kernels import kernel
+from hexwar_sb3.maps.cells import Cells, Sightlines
 from hexwar_sb3.maps.geometry import cells_apart
+from hexwar_sb3.rules.compiled import RulesRecord
 from hexwar_sb3.rules.enums import PieceType
+from hexwar_sb3.rules.indices import CampIndex, CellIndex, PieceIndex, SlotIndex, piece_range
 from hexwar_sb3.tasks.known import end_piece, first_piece
 
 
 @kernel
 def scout(
-    style: Row, i: int, camp: int, game: Row, pieces: Rows, memory: Rows, brain: Row,
-    rules: Row, cells: Rows, los: Rows, atlas: Row,
-) -> int:  # fmt: skip
+    style: Style, i: PieceIndex, camp: CampIndex, game: GameRecord, pieces: Pieces, memory: Memory, brain: BrainRecord,
+    rules: RulesRecord, cells: Cells, los: Sightlines, atlas: AtlasRecord,
+) -> CellIndex:  # fmt: skip
     """Cell for the aerocraft: around its prey if there is one, else above the point that it works for."""
     prey = air_prey(i, camp, game, pieces, memory, brain, rules, cells, atlas)
-    around = int(memory[camp, prey].cell) if prey != NO_PIECE else picket(i, camp, game, pieces, brain)
+    around = CellIndex(memory[camp, prey].cell) if prey != NO_PIECE else picket(i, camp, game, pieces, brain)
     kind = PieceType.AEROCRAFT
-    best, best_score = int(pieces[i].cell), -1e9
+    best, best_score = CellIndex(pieces[i].cell), -1e9
     for n in range(atlas.around.shape[0]):
         cell = cell_at(around, atlas.around[n, 0], atlas.around[n, 1], camp, cells, atlas)
         if cell == NO_CELL:
@@ -43,11 +48,19 @@ def scout(
 
 @kernel
 def air_prey(
-    i: int, camp: int, game: Row, pieces: Rows, memory: Rows, brain: Row, rules: Row, cells: Rows, atlas: Row
-) -> int:
+    i: PieceIndex,
+    camp: CampIndex,
+    game: GameRecord,
+    pieces: Pieces,
+    memory: Memory,
+    brain: BrainRecord,
+    rules: RulesRecord,
+    cells: Cells,
+    atlas: AtlasRecord,
+) -> PieceIndex:
     """Known enemy vehicle that is worth most for the way to it; NO_PIECE."""
     best, prey = 0.0, NO_PIECE
-    for j in range(first_piece(1 - camp, game), end_piece(1 - camp, game)):
+    for j in piece_range(first_piece(CampIndex(1 - camp), game), end_piece(CampIndex(1 - camp), game)):
         kind = pieces[j].kind
         if brain.trust[j] <= 0.0 or kind == PieceType.AEROCRAFT or kind == PieceType.SOLDIER:
             continue
@@ -59,9 +72,9 @@ def air_prey(
 
 
 @kernel
-def picket(i: int, camp: int, game: Row, pieces: Rows, brain: Row) -> int:
+def picket(i: PieceIndex, camp: CampIndex, game: GameRecord, pieces: Pieces, brain: BrainRecord) -> CellIndex:
     """Where the aerocraft waits for prey: above the point that it works for."""
-    k = brain.point[i - first_piece(camp, game)]
+    k = brain.point[SlotIndex(i - first_piece(camp, game))]
     if game.n_points == 0:
-        return int(pieces[i].cell)
-    return int(game.point_cell[k])
+        return CellIndex(pieces[i].cell)
+    return CellIndex(game.point_cell[k])

@@ -5,15 +5,19 @@ from __future__ import annotations
 from hexwar_sb3.bots.drawn_records import STAGES
 from hexwar_sb3.bots.duties import recovers, takes_orders
 from hexwar_sb3.bots.plans import attack, board, give_plan
+from hexwar_sb3.bots.records import AtlasRecord, BrainRecord
 from hexwar_sb3.bots.registry import Duty, Event
 from hexwar_sb3.bots.weigh import renew_trust
 from hexwar_sb3.engine.pieces import on_map
-from hexwar_sb3.engine.records import NO_CELL, NO_PIECE
-from hexwar_sb3.kernels import Row, Rows, kernel
+from hexwar_sb3.engine.records import NO_CELL, NO_PIECE, GameRecord, Memory, Pieces
+from hexwar_sb3.kernels import kernel
+from hexwar_sb3.maps.cells import Cells
 from hexwar_sb3.maps.geometry import cells_apart
+from hexwar_sb3.rules.compiled import RulesRecord
 from hexwar_sb3.rules.enums import PieceType
+from hexwar_sb3.rules.indices import CampIndex, CellIndex, PieceIndex, PointIndex, SlotIndex, piece_range
 from hexwar_sb3.tasks.known import can_hurt, end_piece, first_piece, is_known
-from hexwar_sb3.tasks.records import TaskKind
+from hexwar_sb3.tasks.records import Plans, TaskKind
 
 RIDE_CELLS = 6  # a soldier boards for a way that is longer
 MOST_VALUE_APART = 1000.0  # cells that a point of value weighs as much as, for those who pick their prey
@@ -21,22 +25,22 @@ MOST_VALUE_APART = 1000.0  # cells that a point of value weighs as much as, for 
 
 @kernel
 def think_unseen(
-    camp: int, game: Row, pieces: Rows, memory: Rows, plans: Rows, brain: Row, rules: Row, cells: Rows,
-    atlas: Row,
+    camp: CampIndex, game: GameRecord, pieces: Pieces, memory: Memory, plans: Plans, brain: BrainRecord, rules: RulesRecord, cells: Cells,
+    atlas: AtlasRecord,
 ) -> None:  # fmt: skip
     """One thought of a member of "drawn-unseen": turn pages, then give every piece what its page says."""
     renew_trust(camp, game, memory, brain, atlas.config)
     for s in range(brain.stage.size):
         turn_page(s, camp, game, brain, atlas)
     first = first_piece(camp, game)
-    for i in range(first, end_piece(camp, game)):
+    for i in piece_range(first, end_piece(camp, game)):
         if takes_orders(pieces[i], game):
-            follow(i, i - first, camp, game, pieces, memory, plans, brain, rules, cells, atlas)
+            follow(i, SlotIndex(i - first), camp, game, pieces, memory, plans, brain, rules, cells, atlas)
             plans[i].hold_fire = game.tick < brain.drawn.quiet and plans[i].kind != TaskKind.ATTACK
 
 
 @kernel
-def turn_page(s: int, camp: int, game: Row, brain: Row, atlas: Row) -> None:
+def turn_page(s: int, camp: CampIndex, game: GameRecord, brain: BrainRecord, atlas: AtlasRecord) -> None:
     """Begin the next stage of a squad's timetable, if this one is over."""
     drawn, n = brain.drawn, int(brain.stage[s])
     if n == STAGES - 1 or game.tick < drawn.start[s]:
@@ -56,8 +60,8 @@ def turn_page(s: int, camp: int, game: Row, brain: Row, atlas: Row) -> None:
 
 @kernel
 def follow(
-    i: int, slot: int, camp: int, game: Row, pieces: Rows, memory: Rows, plans: Rows, brain: Row, rules: Row,
-    cells: Rows, atlas: Row,
+    i: PieceIndex, slot: SlotIndex, camp: CampIndex, game: GameRecord, pieces: Pieces, memory: Memory, plans: Plans, brain: BrainRecord, rules: RulesRecord,
+    cells: Cells, atlas: AtlasRecord,
 ) -> None:  # fmt: skip
     """Give piece i the task of its squad's stage."""
     drawn, piece = brain.drawn, pieces[i]
@@ -77,9 +81,9 @@ def follow(
             return
     cell = place(duty, slot, camp, game, pieces, brain, cells, atlas)
     if cell == NO_CELL:
-        cell = int(piece.cell)
+        cell = CellIndex(piece.cell)
     if rides(i, cell, pieces, brain, cells):
-        board(style, i, int(piece.home), game, plans)
+        board(style, i, PieceIndex(piece.home), game, plans)
     elif piece.passenger != NO_PIECE and piece.cell == cell:
         give_plan(style, i, TaskKind.DROP, cell, game, plans)
     else:
@@ -90,30 +94,37 @@ def follow(
 
 @kernel
 def place(
-    duty: int, slot: int, camp: int, game: Row, pieces: Rows, brain: Row, cells: Rows, atlas: Row
-) -> int:
+    duty: int,
+    slot: SlotIndex,
+    camp: CampIndex,
+    game: GameRecord,
+    pieces: Pieces,
+    brain: BrainRecord,
+    cells: Cells,
+    atlas: AtlasRecord,
+) -> CellIndex:
     """Cell of a duty that is none of attack; NO_CELL: where the piece is."""
     drawn = brain.drawn
     s = int(drawn.squad[slot])
-    k = int(atlas.rank[drawn.where[s, int(brain.stage[s])]])
+    k = PointIndex(atlas.rank[drawn.where[s, int(brain.stage[s])]])
     if duty == Duty.WAIT or game.n_points == 0:
         return NO_CELL
     if duty == Duty.RAID:
-        home = int(atlas.home[1 - camp])
+        home = CellIndex(atlas.home[CampIndex(1 - camp)])
         return home if cells[home].passable else NO_CELL
     if duty == Duty.ESCORT:
-        for i in range(first_piece(camp, game), end_piece(camp, game)):
+        for i in piece_range(first_piece(camp, game), end_piece(camp, game)):
             if on_map(pieces[i]) and pieces[i].kind <= PieceType.CHARIOT:
-                return int(pieces[i].cell)
+                return CellIndex(pieces[i].cell)
         return NO_CELL
     if duty == Duty.AMBUSH:
         post = int(drawn.post[slot])
-        return int(atlas.post[camp, k, post // atlas.post.shape[3], post % atlas.post.shape[3]])
-    return int(game.point_cell[k])
+        return CellIndex(atlas.post[camp, k, post // atlas.post.shape[3], post % atlas.post.shape[3]])
+    return CellIndex(game.point_cell[k])
 
 
 @kernel
-def rides(i: int, cell: int, pieces: Rows, brain: Row, cells: Rows) -> bool:
+def rides(i: PieceIndex, cell: CellIndex, pieces: Pieces, brain: BrainRecord, cells: Cells) -> bool:
     """A soldier with a long way to go, whose free chariot stands beside it, and who is one that rides."""
     soldier = pieces[i]
     if brain.drawn.rides == 0 or soldier.kind != PieceType.SOLDIER or soldier.home < 0 or soldier.sees != 0:
@@ -125,11 +136,11 @@ def rides(i: int, cell: int, pieces: Rows, brain: Row, cells: Rows) -> bool:
 
 @kernel
 def known_prey(
-    i: int, picks: bool, camp: int, game: Row, pieces: Rows, memory: Rows, brain: Row, rules: Row, cells: Rows
-) -> int:  # fmt: skip
+    i: PieceIndex, picks: bool, camp: CampIndex, game: GameRecord, pieces: Pieces, memory: Memory, brain: BrainRecord, rules: RulesRecord, cells: Cells
+) -> PieceIndex:  # fmt: skip
     """Known enemy that piece i can hurt: the nearest, or the one that is worth most; NO_PIECE."""
     best, prey = -1e9, NO_PIECE
-    for j in range(first_piece(1 - camp, game), end_piece(1 - camp, game)):
+    for j in piece_range(first_piece(CampIndex(1 - camp), game), end_piece(CampIndex(1 - camp), game)):
         known = memory[camp, j]
         if not is_known(known) or brain.trust[j] <= 0.0 or not can_hurt(pieces[i], pieces[j].kind, rules):
             continue

@@ -5,13 +5,18 @@ Enemies are read through the camp's memory only. `trust` is the brain's [P], ren
 
 from __future__ import annotations
 
-from hexwar_sb3.bots.records import SPENT
+from hexwar_sb3.bots.config import BotConfig
+from hexwar_sb3.bots.records import SPENT, AtlasRecord, BrainRecord
 from hexwar_sb3.engine.fire import clamp
 from hexwar_sb3.engine.pieces import on_map, target_class, weapon_ammo
+from hexwar_sb3.engine.records import GameRecord, Memory, PieceRecord, Pieces
 from hexwar_sb3.engine.score import known_margin, points_value
-from hexwar_sb3.kernels import Row, Rows, kernel
+from hexwar_sb3.kernels import kernel
+from hexwar_sb3.maps.cells import Cells, Sightlines
 from hexwar_sb3.maps.geometry import cells_apart
+from hexwar_sb3.rules.compiled import RulesRecord
 from hexwar_sb3.rules.enums import Camp, PieceType, TargetClass, Weapon
+from hexwar_sb3.rules.indices import CampIndex, CellIndex, PieceIndex, piece_range
 from hexwar_sb3.tasks.known import (
     end_piece,
     first_piece,
@@ -23,10 +28,12 @@ from hexwar_sb3.tasks.known import (
 
 
 @kernel
-def renew_trust(camp: int, game: Row, memory: Rows, brain: Row, config: Row) -> None:
+def renew_trust(
+    camp: CampIndex, game: GameRecord, memory: Memory, brain: BrainRecord, config: BotConfig
+) -> None:
     """How much each enemy's last known place still says: 1 seen now, 0 after `trust_ticks` or never seen."""
     brain.n_foes = 0
-    for j in range(first_piece(1 - camp, game), end_piece(1 - camp, game)):
+    for j in piece_range(first_piece(CampIndex(1 - camp), game), end_piece(CampIndex(1 - camp), game)):
         known = memory[camp, j]
         brain.trust[j] = 0.0
         if is_known(known):
@@ -38,7 +45,7 @@ def renew_trust(camp: int, game: Row, memory: Rows, brain: Row, config: Row) -> 
 
 
 @kernel
-def exposed_reach(kind: int, target_kind: int, cell: int, rules: Row, cells: Rows) -> int:
+def exposed_reach(kind: int, target_kind: int, cell: CellIndex, rules: RulesRecord, cells: Cells) -> int:
     """Greatest distance at which a type of piece sees an unhidden piece standing in a cell."""
     reach = int(rules.sight[kind, target_kind])
     if cells[cell].concealed and target_kind != PieceType.AEROCRAFT:
@@ -48,7 +55,13 @@ def exposed_reach(kind: int, target_kind: int, cell: int, rules: Row, cells: Row
 
 @kernel
 def danger_of(
-    row: int, cell: int, target: int, target_cell: int, shelter: int, cells: Rows, atlas: Row
+    row: int,
+    cell: CellIndex,
+    target: int,
+    target_cell: CellIndex,
+    shelter: int,
+    cells: Cells,
+    atlas: AtlasRecord,
 ) -> float:
     """Expected points of a shot of a type of piece (a row of the danger table) from cell to cell."""
     apart = cells_apart(cells, cell, target_cell)
@@ -60,8 +73,8 @@ def danger_of(
 
 @kernel
 def threat_at(
-    kind: int, cell: int, camp: int, pieces: Rows, memory: Rows, brain: Row,
-    rules: Row, cells: Rows, los: Rows, atlas: Row,
+    kind: int, cell: CellIndex, camp: CampIndex, pieces: Pieces, memory: Memory, brain: BrainRecord,
+    rules: RulesRecord, cells: Cells, los: Sightlines, atlas: AtlasRecord,
 ) -> float:  # fmt: skip
     """Points that known enemies may be expected to cost an unhidden piece in a cell, one round of shots."""
     total = 0.0
@@ -79,7 +92,7 @@ def threat_at(
 
 
 @kernel
-def danger_row(piece: Row, rules: Row) -> int:
+def danger_row(piece: PieceRecord, rules: RulesRecord) -> int:
     """Row of the danger table for an own piece: a chariot without missiles is another shooter."""
     if piece.kind == PieceType.CHARIOT and weapon_ammo(piece, Weapon.HEAVY, rules) == 0:
         return SPENT
@@ -88,8 +101,8 @@ def danger_row(piece: Row, rules: Row) -> int:
 
 @kernel
 def gain_at(
-    kind: int, row: int, cell: int, camp: int, pieces: Rows, memory: Rows, brain: Row,
-    rules: Row, cells: Rows, los: Rows, atlas: Row,
+    kind: int, row: int, cell: CellIndex, camp: CampIndex, pieces: Pieces, memory: Memory, brain: BrainRecord,
+    rules: RulesRecord, cells: Cells, los: Sightlines, atlas: AtlasRecord,
 ) -> float:  # fmt: skip
     """Expected points of the best shot from a cell at a known enemy, plus a share of the second best.
 
@@ -116,14 +129,14 @@ def gain_at(
 
 @kernel
 def guided_gain(
-    c: int, row: int, cell: int, camp: int, game: Row, pieces: Rows, memory: Rows, brain: Row,
-    cells: Rows, atlas: Row,
+    c: PieceIndex, row: int, cell: CellIndex, camp: CampIndex, game: GameRecord, pieces: Pieces, memory: Memory, brain: BrainRecord,
+    cells: Cells, atlas: AtlasRecord,
 ) -> float:  # fmt: skip
     """Expected points of the best missile that chariot c could launch from a cell, guided by its soldier."""
     best = 0.0
     if row == SPENT:
         return best
-    for s in range(first_piece(camp, game), end_piece(camp, game)):
+    for s in piece_range(first_piece(camp, game), end_piece(camp, game)):
         soldier = pieces[s]
         if soldier.home != c or not on_map(soldier) or soldier.sees == 0:
             continue
@@ -139,16 +152,24 @@ def guided_gain(
 
 
 @kernel
-def weight_of(piece_kind: int, blood: int, rules: Row) -> float:
+def weight_of(piece_kind: int, blood: int, rules: RulesRecord) -> float:
     """Fighting power of a piece: its value in points."""
     return float(rules.value[piece_kind]) * blood
 
 
 @kernel
-def own_power(cell: int, within: int, camp: int, game: Row, pieces: Rows, rules: Row, cells: Rows) -> float:
+def own_power(
+    cell: CellIndex,
+    within: int,
+    camp: CampIndex,
+    game: GameRecord,
+    pieces: Pieces,
+    rules: RulesRecord,
+    cells: Cells,
+) -> float:
     """Power of own pieces within some cells of a cell, passengers included."""
     total = 0.0
-    for i in range(first_piece(camp, game), end_piece(camp, game)):
+    for i in piece_range(first_piece(camp, game), end_piece(camp, game)):
         if pieces[i].blood > 0 and cells_apart(cells, pieces[i].cell, cell) <= within:
             total += weight_of(pieces[i].kind, pieces[i].blood, rules)
     return total
@@ -156,7 +177,7 @@ def own_power(cell: int, within: int, camp: int, game: Row, pieces: Rows, rules:
 
 @kernel
 def known_power(
-    cell: int, within: int, camp: int, pieces: Rows, memory: Rows, brain: Row, rules: Row, cells: Rows,
+    cell: CellIndex, within: int, camp: CampIndex, pieces: Pieces, memory: Memory, brain: BrainRecord, rules: RulesRecord, cells: Cells,
 ) -> float:  # fmt: skip
     """Power of known enemies within some cells of a cell, weighted by trust."""
     total = 0.0
@@ -169,7 +190,7 @@ def known_power(
 
 
 @kernel
-def known_lead(camp: int, game: Row, pieces: Rows, memory: Rows, rules: Row) -> int:
+def known_lead(camp: CampIndex, game: GameRecord, pieces: Pieces, memory: Memory, rules: RulesRecord) -> int:
     """Own total minus the enemy's as the camp knows it: what decides the game."""
     lead = known_margin(game, pieces, memory, camp, rules)
     return int(lead if game.net_score else lead + points_value(game, Camp.GREEN))
@@ -177,7 +198,13 @@ def known_lead(camp: int, game: Row, pieces: Rows, memory: Rows, rules: Row) -> 
 
 @kernel
 def enemy_near(
-    cell: int, within: int, camp: int, pieces: Rows, memory: Rows, brain: Row, cells: Rows
+    cell: CellIndex,
+    within: int,
+    camp: CampIndex,
+    pieces: Pieces,
+    memory: Memory,
+    brain: BrainRecord,
+    cells: Cells,
 ) -> bool:
     """A known enemy ground piece is within some cells of a cell."""
     for n in range(brain.n_foes):

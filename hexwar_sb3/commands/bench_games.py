@@ -24,6 +24,7 @@ from hexwar_sb3.players.frozen_lower import HEURISTIC_LOWER, fastest_way_network
 from hexwar_sb3.players.player import make_player
 from hexwar_sb3.players.terms import Terms
 from hexwar_sb3.rules.enums import Action, Camp
+from hexwar_sb3.rules.indices import CampIndex, CellIndex
 from hexwar_sb3.tasks.travel import next_direction
 
 Round = Callable[[int], tuple[float, float]]  # number of the round -> amount done, seconds
@@ -126,7 +127,7 @@ def _thinker(arena: Arena) -> tuple[Rows, ...]:
 
 @kernel
 def repeat_thought(
-    times: int, camp: int, bot: int, game: Row, pieces: Rows, memory: Rows, rounds: Rows, plans: Rows,
+    times: int, camp: CampIndex, bot: int, game: Row, pieces: Rows, memory: Rows, rounds: Rows, plans: Rows,
     brains: Rows, rules: Row, cells: Rows, los: Rows, eta: Rows, atlas: Row,
 ) -> None:  # fmt: skip
     """Let a full player think about the same position again and again."""
@@ -169,14 +170,14 @@ def order_walks(
                 continue
             order.kind = int(Action.MOVE)
             order.path_len = 0
-            cell = int(piece.cell)
+            cell = CellIndex(piece.cell)
             while order.path_len < rules.path_limit:
                 d = next_direction(piece.kind, piece.camp, cell, goals[b, i], False, rules, cells, eta)
                 if d == NO_DIRECTION:
                     break
                 order.path[order.path_len] = d
                 order.path_len += 1
-                cell = int(cells[cell].neighbour[d])
+                cell = CellIndex(cells[cell].neighbour[d])
 
 
 @kernel

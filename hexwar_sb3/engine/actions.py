@@ -10,43 +10,62 @@ from hexwar_sb3.engine.legality import order_code, point_at
 from hexwar_sb3.engine.mortar import launch
 from hexwar_sb3.engine.movement import begin_move, begin_stop
 from hexwar_sb3.engine.pieces import count_in, spend_round
-from hexwar_sb3.engine.records import BOARD_OFF, BOARD_ON, NEVER, NO_CELL, NO_PIECE
-from hexwar_sb3.kernels import Row, Rows, kernel
+from hexwar_sb3.engine.records import (
+    BOARD_OFF,
+    BOARD_ON,
+    NEVER,
+    NO_CELL,
+    NO_PIECE,
+    GameRecord,
+    Log,
+    OrderRecord,
+    Orders,
+    Paths,
+    PieceRecord,
+    Pieces,
+    Rounds,
+)
+from hexwar_sb3.kernels import kernel
+from hexwar_sb3.maps.cells import Cells
+from hexwar_sb3.rules.compiled import RulesRecord
 from hexwar_sb3.rules.enums import Action, Weapon
+from hexwar_sb3.rules.indices import CampIndex, PieceIndex, piece_range
 
 
 @kernel
-def judge_orders(game: Row, pieces: Rows, orders: Rows, log: Rows, rules: Row, cells: Rows) -> None:
+def judge_orders(
+    game: GameRecord, pieces: Pieces, orders: Orders, log: Log, rules: RulesRecord, cells: Cells
+) -> None:
     """Write the code of every order: first each alone, then against the own camp's other orders."""
-    for i in range(orders.size):
+    for i in piece_range(orders.size):
         orders[i].code = int(order_code(i, orders[i], game, pieces, rules, cells))
-    for i in range(orders.size):
+    for i in piece_range(orders.size):
         if orders[i].code == Code.OK and needs_partner(orders[i]):
             orders[i].code = int(partner_code(i, game, pieces, orders))
-    for i in range(orders.size):
+    for i in piece_range(orders.size):
         if orders[i].code != Code.OK:
             note(game, log, Event.REFUSED, i, NO_PIECE, pieces[i].cell, orders[i].code)
 
 
 @kernel
-def needs_partner(order: Row) -> bool:
+def needs_partner(order: OrderRecord) -> bool:
     """Does the order lay hands on another own piece?"""
     return order.kind == Action.GUIDE_SHOOT or order.kind == Action.GET_ON
 
 
 @kernel
-def partner_of(order: Row) -> int:
+def partner_of(order: OrderRecord) -> PieceIndex:
     """The chariot that an order of guiding or boarding claims."""
     return order.partner if order.kind == Action.GUIDE_SHOOT else order.target
 
 
 @kernel
-def partner_code(i: int, game: Row, pieces: Rows, orders: Rows) -> int:
+def partner_code(i: PieceIndex, game: GameRecord, pieces: Pieces, orders: Orders) -> int:
     """The claimed chariot must have no order of its own, and no rival of better priority."""
     chariot = partner_of(orders[i])
     if orders[chariot].kind != Action.NULL and orders[chariot].code == Code.OK:
         return Code.PARTNER_BUSY
-    for j in range(orders.size):
+    for j in piece_range(orders.size):
         rival = j != i and orders[j].kind == orders[i].kind and partner_of(orders[j]) == chariot
         if not rival or (orders[j].code != Code.OK and orders[j].code != Code.CONFLICT):
             continue
@@ -56,9 +75,11 @@ def partner_code(i: int, game: Row, pieces: Rows, orders: Rows) -> int:
 
 
 @kernel
-def fire_orders(game: Row, pieces: Rows, orders: Rows, log: Rows, rules: Row, cells: Rows) -> None:
+def fire_orders(
+    game: GameRecord, pieces: Pieces, orders: Orders, log: Log, rules: RulesRecord, cells: Cells
+) -> None:
     """Throw the dice of every shot that was ordered; nothing changes but the collected results."""
-    for i in range(orders.size):
+    for i in piece_range(orders.size):
         order = orders[i]
         if order.code != Code.OK:
             continue
@@ -73,10 +94,17 @@ def fire_orders(game: Row, pieces: Rows, orders: Rows, log: Rows, rules: Row, ce
 
 @kernel
 def start_orders(
-    game: Row, pieces: Rows, paths: Rows, rounds: Rows, orders: Rows, log: Rows, rules: Row, cells: Rows
+    game: GameRecord,
+    pieces: Pieces,
+    paths: Paths,
+    rounds: Rounds,
+    orders: Orders,
+    log: Log,
+    rules: RulesRecord,
+    cells: Cells,
 ) -> None:
     """Begin what the legal orders say, and pay for the shots; occupy comes after the fire."""
-    for i in range(orders.size):
+    for i in piece_range(orders.size):
         order = orders[i]
         piece = pieces[i]
         if order.code == Code.OK:
@@ -104,7 +132,7 @@ def start_orders(
 
 
 @kernel
-def pay_shot(piece: Row, weapon: int, tick: int, rules: Row) -> None:
+def pay_shot(piece: PieceRecord, weapon: int, tick: int, rules: RulesRecord) -> None:
     """A round, the cool-down, and the shooter's cover."""
     spend_round(piece, weapon, rules)
     piece.cool_ends = tick + rules.cool_ticks
@@ -113,14 +141,16 @@ def pay_shot(piece: Row, weapon: int, tick: int, rules: Row) -> None:
 
 
 @kernel
-def begin_boarding(soldier: int, chariot: int, kind: int, game: Row, pieces: Rows, rules: Row) -> None:
+def begin_boarding(
+    soldier: PieceIndex, chariot: PieceIndex, kind: int, game: GameRecord, pieces: Pieces, rules: RulesRecord
+) -> None:
     """Both partners are busy until the boarding ends; cover is lost."""
     _begin_side(pieces[soldier], chariot, kind, game.tick + rules.board_ticks)
     _begin_side(pieces[chariot], soldier, kind, game.tick + rules.board_ticks)
 
 
 @kernel
-def _begin_side(piece: Row, partner: int, kind: int, ends: int) -> None:
+def _begin_side(piece: PieceRecord, partner: PieceIndex, kind: int, ends: int) -> None:
     piece.board_ends = ends
     piece.board_kind = kind
     piece.board_partner = partner
@@ -128,7 +158,7 @@ def _begin_side(piece: Row, partner: int, kind: int, ends: int) -> None:
 
 
 @kernel
-def begin_decompress(piece: Row, tick: int, rules: Row) -> None:
+def begin_decompress(piece: PieceRecord, tick: int, rules: RulesRecord) -> None:
     """Work free of suppression; a path that was waiting goes on afterwards."""
     piece.hidden = 0
     piece.decompress_ends = tick + rules.decompress_ticks
@@ -138,9 +168,9 @@ def begin_decompress(piece: Row, tick: int, rules: Row) -> None:
 
 
 @kernel
-def occupy(game: Row, pieces: Rows, orders: Rows, log: Rows, cells: Rows) -> None:
+def occupy(game: GameRecord, pieces: Pieces, orders: Orders, log: Log, cells: Cells) -> None:
     """Occupy orders of pieces still alive: no living enemy ground piece in the cell or beside it."""
-    for i in range(orders.size):
+    for i in piece_range(orders.size):
         if orders[i].kind != Action.OCCUPY:
             continue
         orders[i].kind = int(Action.NULL)
@@ -156,9 +186,9 @@ def occupy(game: Row, pieces: Rows, orders: Rows, log: Rows, cells: Rows) -> Non
 
 
 @kernel
-def enemy_near(piece: Row, pieces: Rows, cells: Rows) -> bool:
+def enemy_near(piece: PieceRecord, pieces: Pieces, cells: Cells) -> bool:
     """A living enemy ground piece in the piece's cell or one of its six neighbours."""
-    enemy = 1 - piece.camp
+    enemy = CampIndex(1 - piece.camp)
     if count_in(pieces, enemy, piece.cell) > 0:
         return True
     for d in range(6):

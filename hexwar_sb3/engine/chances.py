@@ -11,9 +11,12 @@ from hexwar_sb3.engine.legality import order_code
 from hexwar_sb3.engine.mortar import observer_class
 from hexwar_sb3.engine.orders import BurstChances, Chances
 from hexwar_sb3.engine.pieces import target_class
+from hexwar_sb3.engine.records import GameRecord, OrderRecord, Pieces
 from hexwar_sb3.kernels import Row, Rows, kernel
-from hexwar_sb3.rules.compiled import LEAST_MODIFIER, LEAST_RESULT, SCATTER_HIT
+from hexwar_sb3.maps.cells import Cells, Sightlines
+from hexwar_sb3.rules.compiled import LEAST_MODIFIER, LEAST_RESULT, SCATTER_HIT, RulesRecord
 from hexwar_sb3.rules.enums import TargetClass, Weapon
+from hexwar_sb3.rules.indices import PieceIndex, cell_range
 from hexwar_sb3.rules.odds import TWO_DICE
 
 NOT_LEGAL = -1
@@ -51,13 +54,21 @@ def _capped(level: int, mods: int, odds: npt.NDArray[np.float32], blood: int) ->
 
 
 @kernel
-def mortar_classes(i: int, order: Row, game: Row, pieces: Rows, rules: Row, cells: Rows, los: Rows) -> Rows:
+def mortar_classes(
+    i: PieceIndex,
+    order: OrderRecord,
+    game: GameRecord,
+    pieces: Pieces,
+    rules: RulesRecord,
+    cells: Cells,
+    los: Sightlines,
+) -> Rows:
     """Correction class of a round of piece i at each cell as it is seen now [NC]; NOT_LEGAL elsewhere.
 
     order: an indirect-shoot order, whose cell is tried everywhere.
     """
     classes = np.full(cells.size, NOT_LEGAL, np.int8)
-    for cell in range(cells.size):
+    for cell in cell_range(cells.size):
         order.cell = cell
         if order_code(i, order, game, pieces, rules, cells) == Code.OK:
             classes[cell] = observer_class(pieces[i].camp, cell, pieces, rules, cells, los)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from hexwar_sb3.engine.records import GameRecord, PieceRecord
 from hexwar_sb3.kernels import Row, kernel
 from hexwar_sb3.rules.enums import Dice
 
@@ -28,13 +29,13 @@ def splitmix64(x: np.uint64) -> np.uint64:
 
 
 @kernel
-def identity(game: Row, piece: Row) -> np.uint64:
+def identity(game: GameRecord, piece: PieceRecord) -> np.uint64:
     """Colour-neutral id of a piece: its slot under the salt of its camp."""
     return splitmix64(game.salt[piece.camp] + np.uint64(piece.slot))
 
 
 @kernel
-def throw(game: Row, tick: int, kind: int, a: Row, b: Row, draw: int) -> np.uint64:
+def throw(game: GameRecord, tick: int, kind: int, a: Row, b: Row, draw: int) -> np.uint64:
     """64 random bits for one purpose: kind (Dice), actor a, target b, number of the draw."""
     purpose = np.uint64((int(tick) * 128 + int(kind)) * 8 + int(draw))
     x = splitmix64(purpose) ^ identity(game, a)
@@ -43,19 +44,19 @@ def throw(game: Row, tick: int, kind: int, a: Row, b: Row, draw: int) -> np.uint
 
 
 @kernel
-def die(game: Row, tick: int, kind: int, a: Row, b: Row, draw: int) -> int:
+def die(game: GameRecord, tick: int, kind: int, a: Row, b: Row, draw: int) -> int:
     """One die, 1..6."""
     high = throw(game, tick, kind, a, b, draw) >> _S32
     return 1 + int((high * _FACES) >> _S32)
 
 
 @kernel
-def two_dice(game: Row, tick: int, kind: int, a: Row, b: Row, draw: int) -> int:
+def two_dice(game: GameRecord, tick: int, kind: int, a: Row, b: Row, draw: int) -> int:
     """Sum of two dice, 2..12; uses the draws `draw` and `draw + 1`."""
     return die(game, tick, kind, a, b, draw) + die(game, tick, kind, a, b, draw + 1)
 
 
 @kernel
-def priority(game: Row, tick: int, piece: Row) -> np.uint64:
+def priority(game: GameRecord, tick: int, piece: PieceRecord) -> np.uint64:
     """Order of the pieces of one camp where they compete; the lower goes first."""
     return throw(game, tick, Dice.PRIORITY, piece, piece, 0)

@@ -28,6 +28,7 @@ from hexwar_sb3.errors import ConfigError
 from hexwar_sb3.kernels import Row, Rows
 from hexwar_sb3.rules.compiled import NO_POOL
 from hexwar_sb3.rules.enums import Camp, PieceType, Weapon
+from hexwar_sb3.rules.indices import CellIndex, PieceIndex, piece_range
 
 Value: TypeAlias = Any  # str, int, bool, None or a list of str: what JSON holds
 Change: TypeAlias = tuple[str, str, Value]  # who, field, value
@@ -87,7 +88,7 @@ class Editor:
         for i in range(pieces.size):
             self._check_piece(i, pieces, cells)
         self._check_crowds(pieces, rules)
-        for i in range(pieces.size):
+        for i in piece_range(pieces.size):
             if pieces[i].blood == 0:
                 die_with_passenger(i, game, pieces, log)
         close_fights(game, pieces)
@@ -132,15 +133,15 @@ class Editor:
         i, piece = self._piece(name)
         cells, rules, paths = self._world.cells, self._world.rules[0], self._state.paths[0]
         row = self._state.orders[0, i].copy()
-        write_order(Move(name, value), i, row, self.roster, self._state.pieces[0], cells)
-        here = int(piece.cell)
+        write_order(Move(name, value), PieceIndex(i), row, self.roster, self._state.pieces[0], cells)
+        here = CellIndex(piece.cell)
         for k, direction in enumerate(row.path[: row.path_len]):
             if direction >= len(cells[here].neighbour) or not hop_from(
                 piece.kind, here, direction, rules, cells
             ):
                 raise ValueError(f"hop {k + 1} is not possible")
             paths[i, k] = direction
-            here = int(cells[here].neighbour[direction])
+            here = CellIndex(cells[here].neighbour[direction])
         piece.path_pos, piece.path_len, piece.waiting, piece.stop_pending = 0, row.path_len, 0, 0
         piece.arrives_at, piece.stop_ends, piece.stop_forced = NEVER, NEVER, 0
 

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
-from hexwar_sb3.kernels import Row, Rows, kernel
+from hexwar_sb3.engine.records import GameRecord, Log
+from hexwar_sb3.kernels import kernel
+from hexwar_sb3.rules.indices import CellIndex, PieceIndex
 
 
 @kernel
-def note(game: Row, log: Rows, event: int, a: int, b: int, cell: int, extra: int) -> None:
+def note(
+    game: GameRecord, log: Log, event: int, a: PieceIndex, b: PieceIndex, cell: CellIndex, extra: int
+) -> None:
     """Log a plain event of the step under way."""
     n = game.log_count
     if n >= log.size:
@@ -32,7 +36,7 @@ def note(game: Row, log: Rows, event: int, a: int, b: int, cell: int, extra: int
 
 @kernel
 def note_shot(
-    game: Row, log: Rows, weapon: int, level: int, roll: int, raw: int, roll2: int, mods: int, corr: int,
+    game: GameRecord, log: Log, weapon: int, level: int, roll: int, raw: int, roll2: int, mods: int, corr: int,
     result: int, apart: int,
 ) -> None:  # fmt: skip
     """Add the dice of a shot to the event that was logged last."""

@@ -1,40 +1,21 @@
-"""Fields of records with their ranges: a record's type is made of its table, and what a file holds is checked by it."""
+"""What a file holds is checked by the ranges of its records' fields."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any, NamedTuple, NoReturn, TypeAlias
+from typing import Any, NoReturn, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hexwar_sb3.errors import CheckpointError
+from hexwar_sb3.records import Bound, Field
 
-Word: TypeAlias = str | int | float
-Bound: TypeAlias = (
-    Word | tuple[Word, ...]
-)  # a number, the name of one that depends on the game, or a sum of these
 Bounds: TypeAlias = Mapping[str, Any]  # what the names stand for: numbers, or arrays with a value a game
 
 ANY_I1 = (-128, 127)  # least and most
 ANY_U4 = 2**32 - 1
 ANY_U8 = 2**64 - 1
-
-
-class Field(NamedTuple):
-    """One field of a record and what may stand in it."""
-
-    name: str
-    type: str
-    least: Bound
-    most: Bound
-    shape: tuple[int, ...] = ()
-    also: tuple[float, ...] = ()  # further values, outside of the range
-
-
-def dtype_of(fields: Iterable[Field]) -> np.dtype[np.void]:
-    """Type of a record with these fields, laid out as C would."""
-    return np.dtype([(field.name, field.type, field.shape) for field in fields], align=True)
 
 
 def refuse(place: str, found: object, expected: str) -> NoReturn:

@@ -16,21 +16,24 @@ from hexwar_sb3.engine.pieces import (
     stands_in,
     weapon_ammo,
 )
-from hexwar_sb3.engine.records import NEVER, NO_CELL, NO_PIECE
-from hexwar_sb3.kernels import Row, Rows, kernel
-from hexwar_sb3.rules.enums import Action, Dice, PieceType
+from hexwar_sb3.engine.records import NEVER, NO_CELL, NO_PIECE, GameRecord, Log, Orders, PieceRecord, Pieces
+from hexwar_sb3.kernels import kernel
+from hexwar_sb3.maps.cells import Cells
+from hexwar_sb3.rules.compiled import RulesRecord
+from hexwar_sb3.rules.enums import Action, Camp, Dice, PieceType
+from hexwar_sb3.rules.indices import CampIndex, CellIndex, PieceIndex, piece_range
 
 _ONE = np.uint32(1)
 
 
 @kernel
-def fights_in(piece: Row, cell: int) -> bool:
+def fights_in(piece: PieceRecord, cell: CellIndex) -> bool:
     """Takes part in the exchanges of a cell: stands there and is not on its way out."""
     return stands_in(piece, cell) and not has_path(piece)
 
 
 @kernel
-def best_close_weapon(shooter: Row, target: Row, rules: Row, cells: Rows) -> int:
+def best_close_weapon(shooter: PieceRecord, target: PieceRecord, rules: RulesRecord, cells: Cells) -> int:
     """Weapon of the highest level at no distance with a round left; -1: none."""
     best = -1
     best_level = 0
@@ -45,7 +48,7 @@ def best_close_weapon(shooter: Row, target: Row, rules: Row, cells: Rows) -> int
 
 
 @kernel
-def _goes_first(a: int, b: int, shooter: Row, game: Row, pieces: Rows) -> bool:
+def _goes_first(a: PieceIndex, b: PieceIndex, shooter: PieceRecord, game: GameRecord, pieces: Pieces) -> bool:
     """Is target a preferred to b: tank, chariot, soldier; then least blood; then the dice?"""
     if pieces[a].kind != pieces[b].kind:
         return pieces[a].kind < pieces[b].kind
@@ -57,10 +60,12 @@ def _goes_first(a: int, b: int, shooter: Row, game: Row, pieces: Rows) -> bool:
 
 
 @kernel
-def close_target(i: int, cell: int, game: Row, pieces: Rows, rules: Row, cells: Rows) -> int:
+def close_target(
+    i: PieceIndex, cell: CellIndex, game: GameRecord, pieces: Pieces, rules: RulesRecord, cells: Cells
+) -> PieceIndex:
     """Whom piece i fires at in the exchange; NO_PIECE where it can hurt nobody."""
     best = NO_PIECE
-    for j in range(pieces.size):
+    for j in piece_range(pieces.size):
         if pieces[j].camp == pieces[i].camp or not fights_in(pieces[j], cell):
             continue
         if best_close_weapon(pieces[i], pieces[j], rules, cells) < 0:
@@ -71,13 +76,13 @@ def close_target(i: int, cell: int, game: Row, pieces: Rows, rules: Row, cells: 
 
 
 @kernel
-def fire_exchanges(game: Row, pieces: Rows, log: Rows, rules: Row, cells: Rows) -> None:
+def fire_exchanges(game: GameRecord, pieces: Pieces, log: Log, rules: RulesRecord, cells: Cells) -> None:
     """Exchanges due in this step: everybody in the cell fires, from the same state."""
     for f in range(game.fight_cell.size):
         if game.fight_cell[f] == NO_CELL or game.fight_next[f] > game.tick:
             continue
         cell = game.fight_cell[f]
-        for i in range(pieces.size):
+        for i in piece_range(pieces.size):
             if fights_in(pieces[i], cell):
                 t = close_target(i, cell, game, pieces, rules, cells)
                 if t != NO_PIECE:
@@ -88,15 +93,20 @@ def fire_exchanges(game: Row, pieces: Rows, log: Rows, rules: Row, cells: Rows) 
 
 
 @kernel
-def fire_exit_shots(game: Row, pieces: Rows, orders: Rows, log: Rows, rules: Row, cells: Rows) -> None:
+def fire_exit_shots(
+    game: GameRecord, pieces: Pieces, orders: Orders, log: Log, rules: RulesRecord, cells: Cells
+) -> None:
     """Every enemy in the cell fires once at a piece that leaves a close combat."""
-    for i in range(pieces.size):
+    for i in piece_range(pieces.size):
         if orders[i].kind != Action.MOVE or orders[i].code != 0:
             continue
         cell = pieces[i].cell
-        if pieces[i].kind == PieceType.AEROCRAFT or count_in(pieces, 1 - pieces[i].camp, cell) == 0:
+        if (
+            pieces[i].kind == PieceType.AEROCRAFT
+            or count_in(pieces, CampIndex(1 - pieces[i].camp), cell) == 0
+        ):
             continue
-        for j in range(pieces.size):
+        for j in piece_range(pieces.size):
             if pieces[j].camp == pieces[i].camp or not fights_in(pieces[j], cell):
                 continue
             weapon = best_close_weapon(pieces[j], pieces[i], rules, cells)
@@ -106,9 +116,9 @@ def fire_exit_shots(game: Row, pieces: Rows, orders: Rows, log: Rows, rules: Row
 
 
 @kernel
-def spend_close_rounds(pieces: Rows) -> None:
+def spend_close_rounds(pieces: Pieces) -> None:
     """Ammunition and cover that the exchanges and exit shots of this step cost."""
-    for i in range(pieces.size):
+    for i in piece_range(pieces.size):
         piece = pieces[i]
         for pool in range(piece.spent_now.size):
             if piece.spent_now[pool] > 0:
@@ -118,12 +128,16 @@ def spend_close_rounds(pieces: Rows) -> None:
 
 
 @kernel
-def open_fights(game: Row, pieces: Rows, log: Rows) -> np.uint32:
+def open_fights(game: GameRecord, pieces: Pieces, log: Log) -> np.uint32:
     """First contact: start the clock of the cell, stop everybody in it; bits of those pieces."""
     touched = np.uint32(0)
-    for i in range(pieces.size):
+    for i in piece_range(pieces.size):
         cell = pieces[i].cell
-        if pieces[i].camp != 0 or not stands_in(pieces[i], cell) or count_in(pieces, 1, cell) == 0:
+        if (
+            pieces[i].camp != Camp.RED
+            or not stands_in(pieces[i], cell)
+            or count_in(pieces, Camp.BLUE, cell) == 0
+        ):
             continue
         if _fight_at(cell, game) < 0:
             f = _fight_at(NO_CELL, game)
@@ -135,7 +149,7 @@ def open_fights(game: Row, pieces: Rows, log: Rows) -> np.uint32:
 
 
 @kernel
-def _fight_at(cell: int, game: Row) -> int:
+def _fight_at(cell: CellIndex, game: GameRecord) -> int:
     for f in range(game.fight_cell.size):
         if game.fight_cell[f] == cell:
             return f
@@ -143,9 +157,9 @@ def _fight_at(cell: int, game: Row) -> int:
 
 
 @kernel
-def _halt_all(cell: int, pieces: Rows) -> np.uint32:
+def _halt_all(cell: CellIndex, pieces: Pieces) -> np.uint32:
     bits = np.uint32(0)
-    for i in range(pieces.size):
+    for i in piece_range(pieces.size):
         if not stands_in(pieces[i], cell):
             continue
         clear_path(pieces[i])
@@ -157,12 +171,12 @@ def _halt_all(cell: int, pieces: Rows) -> np.uint32:
 
 
 @kernel
-def close_fights(game: Row, pieces: Rows) -> None:
+def close_fights(game: GameRecord, pieces: Pieces) -> None:
     """End the close combats of cells that no longer hold both camps."""
     for f in range(game.fight_cell.size):
         cell = game.fight_cell[f]
         if cell == NO_CELL:
             continue
-        if count_in(pieces, 0, cell) == 0 or count_in(pieces, 1, cell) == 0:
+        if count_in(pieces, Camp.RED, cell) == 0 or count_in(pieces, Camp.BLUE, cell) == 0:
             game.fight_cell[f] = NO_CELL
             game.fight_next[f] = NEVER

@@ -9,21 +9,32 @@ from __future__ import annotations
 from hexwar_sb3.engine.dice import die, two_dice
 from hexwar_sb3.engine.events import note, note_shot
 from hexwar_sb3.engine.pieces import count_in, in_motion, is_ground, target_class
-from hexwar_sb3.kernels import Row, Rows, kernel
+from hexwar_sb3.engine.records import GameRecord, Log, PieceRecord, Pieces
+from hexwar_sb3.kernels import kernel
+from hexwar_sb3.maps.cells import Cells
 from hexwar_sb3.maps.geometry import cells_apart
-from hexwar_sb3.rules.compiled import NO_EFFECT
+from hexwar_sb3.rules.compiled import NO_EFFECT, RulesRecord
 from hexwar_sb3.rules.enums import Dice, TargetClass, Weapon
+from hexwar_sb3.rules.indices import CellIndex, PieceIndex
 
 
 @kernel
-def attack_level(weapon: int, shooter: Row, target: Row, rules: Row, cells: Rows) -> int:
+def attack_level(
+    weapon: int, shooter: PieceRecord, target: PieceRecord, rules: RulesRecord, cells: Cells
+) -> int:
     """Level of a shot at the target where it is, height correction included; 0 = no shot."""
     return level_between(weapon, shooter, shooter.cell, target.kind, target.cell, rules, cells)
 
 
 @kernel
 def level_between(
-    weapon: int, shooter: Row, shooter_cell: int, target_kind: int, target_cell: int, rules: Row, cells: Rows
+    weapon: int,
+    shooter: PieceRecord,
+    shooter_cell: CellIndex,
+    target_kind: int,
+    target_cell: CellIndex,
+    rules: RulesRecord,
+    cells: Cells,
 ) -> int:
     """Level of a shot from one cell into another, 0 = no shot."""
     apart = cells_apart(cells, shooter_cell, target_cell)
@@ -39,7 +50,7 @@ def level_between(
 
 
 @kernel
-def height_correction(uphill: int, apart: int, rules: Row) -> int:
+def height_correction(uphill: int, apart: int, rules: RulesRecord) -> int:
     """Loss of level for shooting uphill by this many grade steps."""
     if uphill <= 0 or apart < 1 or apart >= rules.height.shape[1]:
         return 0
@@ -47,7 +58,9 @@ def height_correction(uphill: int, apart: int, rules: Row) -> int:
 
 
 @kernel
-def shot_mods(shooter: Row, target: Row, pieces: Rows, rules: Row, cells: Rows) -> int:
+def shot_mods(
+    shooter: PieceRecord, target: PieceRecord, pieces: Pieces, rules: RulesRecord, cells: Cells
+) -> int:
     """Sum of the correction's modifiers for a shot."""
     mods = 0
     if shooter.suppressed:
@@ -72,20 +85,20 @@ def clamp(x: int, low: int, high: int) -> int:
 
 
 @kernel
-def vehicle_correction(modified_roll: int, armour: int, rules: Row) -> int:
+def vehicle_correction(modified_roll: int, armour: int, rules: RulesRecord) -> int:
     """Correction of a result on a vehicle; the table starts at a modified roll of -3."""
     last = rules.vehicle_correction.shape[0] - 1
     return int(rules.vehicle_correction[clamp(modified_roll + 3, 0, last), armour])
 
 
 @kernel
-def soldier_correction(modified_roll: int, rules: Row) -> int:
+def soldier_correction(modified_roll: int, rules: RulesRecord) -> int:
     """Correction of a result on soldiers."""
     return int(rules.soldier_correction[clamp(modified_roll, 0, rules.soldier_correction.size - 1)])
 
 
 @kernel
-def add_result(target: Row, result: int) -> None:
+def add_result(target: PieceRecord, result: int) -> None:
     """Collect one result for the end of the fire phase; losses add up."""
     if result == NO_EFFECT:
         return
@@ -97,8 +110,8 @@ def add_result(target: Row, result: int) -> None:
 
 @kernel
 def resolve_shot(
-    event: int, actor: int, s: int, t: int, weapon: int, exit_shot: bool, game: Row, pieces: Rows,
-    log: Rows, rules: Row, cells: Rows,
+    event: int, actor: PieceIndex, s: PieceIndex, t: PieceIndex, weapon: int, exit_shot: bool, game: GameRecord, pieces: Pieces,
+    log: Log, rules: RulesRecord, cells: Cells,
 ) -> None:  # fmt: skip
     """Throw the dice of one shot of piece s at piece t and collect the result.
 

@@ -7,18 +7,20 @@ import numpy as np
 from hexwar_sb3.engine.codes import Event
 from hexwar_sb3.engine.events import note
 from hexwar_sb3.engine.pieces import cancel_transitions, clear_boarding, clear_path, has_path, hop_progress
-from hexwar_sb3.engine.records import NEVER, NO_PIECE
-from hexwar_sb3.kernels import Row, Rows, kernel
+from hexwar_sb3.engine.records import NEVER, NO_PIECE, GameRecord, Log, Pieces
+from hexwar_sb3.kernels import kernel
+from hexwar_sb3.rules.compiled import RulesRecord
 from hexwar_sb3.rules.enums import PieceType
+from hexwar_sb3.rules.indices import PieceIndex, piece_range
 
 _ONE = np.uint32(1)
 
 
 @kernel
-def apply_results(game: Row, pieces: Rows, log: Rows, rules: Row) -> np.uint32:
+def apply_results(game: GameRecord, pieces: Pieces, log: Log, rules: RulesRecord) -> np.uint32:
     """Apply all collected results together; bits of the pieces that died."""
     dead = np.uint32(0)
-    for i in range(pieces.size):
+    for i in piece_range(pieces.size):
         if pieces[i].hit_now:
             dead |= _suffer(i, game, pieces, log, rules)
             pieces[i].hit_now = 0
@@ -28,7 +30,7 @@ def apply_results(game: Row, pieces: Rows, log: Rows, rules: Row) -> np.uint32:
 
 
 @kernel
-def _suffer(i: int, game: Row, pieces: Rows, log: Rows, rules: Row) -> np.uint32:
+def _suffer(i: PieceIndex, game: GameRecord, pieces: Pieces, log: Log, rules: RulesRecord) -> np.uint32:
     piece = pieces[i]
     losses = int(piece.losses_now)
     before = piece.suppressed and piece.keep_ends < game.tick + rules.keep_ticks  # not in this step
@@ -47,7 +49,7 @@ def _suffer(i: int, game: Row, pieces: Rows, log: Rows, rules: Row) -> np.uint32
 
 
 @kernel
-def _suppress(i: int, game: Row, pieces: Rows, log: Rows, rules: Row) -> None:
+def _suppress(i: PieceIndex, game: GameRecord, pieces: Pieces, log: Log, rules: RulesRecord) -> None:
     piece = pieces[i]
     piece.suppressed = 1
     piece.keep_ends = game.tick + rules.keep_ticks
@@ -59,7 +61,7 @@ def _suppress(i: int, game: Row, pieces: Rows, log: Rows, rules: Row) -> None:
 
 
 @kernel
-def _hurt_passenger(i: int, losses: int, game: Row, pieces: Rows, log: Rows) -> np.uint32:
+def _hurt_passenger(i: PieceIndex, losses: int, game: GameRecord, pieces: Pieces, log: Log) -> np.uint32:
     """A chariot that loses n vehicles costs its passenger min(n, squads) (section 13)."""
     p = pieces[i].passenger
     if p == NO_PIECE or losses == 0:
@@ -75,7 +77,7 @@ def _hurt_passenger(i: int, losses: int, game: Row, pieces: Rows, log: Rows) -> 
 
 
 @kernel
-def die_with_passenger(i: int, game: Row, pieces: Rows, log: Rows) -> np.uint32:
+def die_with_passenger(i: PieceIndex, game: GameRecord, pieces: Pieces, log: Log) -> np.uint32:
     """Destroy a piece and whoever rides in it."""
     p = pieces[i].passenger
     bits = _die(i, game, pieces, log)
@@ -85,7 +87,7 @@ def die_with_passenger(i: int, game: Row, pieces: Rows, log: Rows) -> np.uint32:
 
 
 @kernel
-def _die(i: int, game: Row, pieces: Rows, log: Rows) -> np.uint32:
+def _die(i: PieceIndex, game: GameRecord, pieces: Pieces, log: Log) -> np.uint32:
     piece = pieces[i]
     cancel_transitions(i, pieces)
     clear_boarding(piece)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
@@ -19,6 +19,7 @@ from hexwar_sb3.kernels import Row, Rows
 from hexwar_sb3.maps.geometry import DIRECTION_NAMES, cells_apart
 from hexwar_sb3.rules.compiled import NO_POOL
 from hexwar_sb3.rules.enums import Action, PieceType, Weapon
+from hexwar_sb3.rules.indices import CellIndex, PieceIndex
 
 
 def known_pieces(camp: int, pieces: Rows, memory: Rows) -> Rows:
@@ -52,11 +53,11 @@ class Advisor:
             return None
         return self.explain(order, i, row)
 
-    def explain(self, order: Order, i: int, row: Row) -> str:
+    def explain(self, order: Order, i: PieceIndex, row: Row) -> str:
         """The sentence for a code that the record holds."""
         return explain(Case(order, i, row, self.game, self.pieces, self.roster, self.rules, self.cells))
 
-    def legal_orders(self, i: int) -> tuple[Order, ...]:
+    def legal_orders(self, i: PieceIndex) -> tuple[Order, ...]:
         """Every legal order of piece i; of moves, those of one hop."""
         orders = []
         for _ in self._candidates(i):
@@ -64,22 +65,22 @@ class Advisor:
                 orders.append(self._with_chances(i))
         return (*orders, *self._mortar_orders(i))
 
-    def _mortar_orders(self, i: int) -> Iterator[Order]:
+    def _mortar_orders(self, i: PieceIndex) -> Iterator[Order]:
         """Legal mortar orders: too many cells to try them one by one."""
-        row, here = self._row, int(self.pieces[i].cell)
+        row, here = self._row, CellIndex(self.pieces[i].cell)
         clear_order(row)
         row.kind = Action.INDIRECT_SHOOT
         tables = (self.pieces, self.rules, self.cells, self.los)
         classes = mortar_classes(i, row, self.game, *tables)
-        for cell in map(int, np.flatnonzero(classes != NOT_LEGAL)):
+        for cell in [CellIndex(c) for c in np.flatnonzero(classes != NOT_LEGAL).tolist()]:
             apart = int(cells_apart(self.cells, here, cell))
             chances = burst_chances(int(classes[cell]), apart, self.rules)
             yield IndirectShoot(self.roster.short(i), self.roster.cell_name(cell), chances)
 
-    def _code(self, i: int) -> int:
+    def _code(self, i: PieceIndex) -> int:
         return int(order_code(i, self._row, self.game, self.pieces, self.rules, self.cells))
 
-    def _candidates(self, i: int) -> Iterator[None]:
+    def _candidates(self, i: PieceIndex) -> Iterator[None]:
         """Write one candidate after the other into the scratch record."""
         for action in Action:
             for choice in self._choices(i, action):
@@ -89,7 +90,7 @@ class Advisor:
                     self._row[name] = value
                 yield
 
-    def _choices(self, i: int, action: Action) -> Iterator[dict[str, int]]:
+    def _choices(self, i: PieceIndex, action: Action) -> Iterator[Mapping[str, int]]:
         """Parameters of an action, by field of the record."""
         own, enemies = self.roster.pieces_of(self.camp), self.roster.pieces_of(enemy_of(self.camp))
         match action:
@@ -108,14 +109,14 @@ class Advisor:
             case _:
                 yield {}
 
-    def _weapons(self, i: int) -> list[Weapon]:
+    def _weapons(self, i: PieceIndex) -> list[Weapon]:
         pools = self.rules.pool[self.pieces[i].kind]
         return [weapon for weapon in Weapon if pools[weapon] != NO_POOL]
 
-    def _chariots(self, own: range) -> list[int]:
+    def _chariots(self, own: Sequence[PieceIndex]) -> list[int]:
         return [i for i in own if self.pieces[i].kind == PieceType.CHARIOT]
 
-    def _with_chances(self, i: int) -> Order:
+    def _with_chances(self, i: PieceIndex) -> Order:
         """The order in the scratch record, with its chances if it is fire."""
         row, tables = self._row, (self.pieces, self.rules, self.cells)
         order = read_order(i, row, self.roster, self.pieces, self.cells)

@@ -22,17 +22,21 @@ from hexwar_sb3.engine.pieces import (
     target_class,
     weapon_ammo,
 )
-from hexwar_sb3.engine.records import NEVER, NO_PIECE
-from hexwar_sb3.kernels import Row, Rows, kernel
+from hexwar_sb3.engine.records import NEVER, NO_PIECE, NO_POINT, GameRecord, OrderRecord, PieceRecord, Pieces
+from hexwar_sb3.kernels import kernel
+from hexwar_sb3.maps.cells import Cells
 from hexwar_sb3.maps.geometry import cells_apart
-from hexwar_sb3.rules.compiled import NO_POOL
+from hexwar_sb3.rules.compiled import NO_POOL, RulesRecord
 from hexwar_sb3.rules.enums import Action, PieceType, TargetClass, Weapon
+from hexwar_sb3.rules.indices import CampIndex, CellIndex, PieceIndex, PointIndex, point_range
 
 _ONE = np.uint32(1)
 
 
 @kernel
-def order_code(i: int, order: Row, game: Row, pieces: Rows, rules: Row, cells: Rows) -> int:
+def order_code(
+    i: PieceIndex, order: OrderRecord, game: GameRecord, pieces: Pieces, rules: RulesRecord, cells: Cells
+) -> int:
     """Code of one order in the present state; conflicts inside a camp are found later."""
     kind = order.kind
     piece = pieces[i]
@@ -70,7 +74,9 @@ def order_code(i: int, order: Row, game: Row, pieces: Rows, rules: Row, cells: R
 
 
 @kernel
-def move_code(piece: Row, order: Row, game: Row, pieces: Rows, rules: Row, cells: Rows) -> int:
+def move_code(
+    piece: PieceRecord, order: OrderRecord, game: GameRecord, pieces: Pieces, rules: RulesRecord, cells: Cells
+) -> int:
     """May the piece start on this path?"""
     if is_busy(piece):
         return Code.BUSY
@@ -89,13 +95,13 @@ def move_code(piece: Row, order: Row, game: Row, pieces: Rows, rules: Row, cells
         cell = cells[cell].neighbour[order.path[k]]
     if in_fight(game, piece):
         first = cells[piece.cell].neighbour[order.path[0]]
-        if count_in(pieces, 1 - piece.camp, first) > 0:
+        if count_in(pieces, CampIndex(1 - piece.camp), first) > 0:
             return Code.EXIT_BLOCKED
     return Code.OK
 
 
 @kernel
-def hide_code(piece: Row) -> int:
+def hide_code(piece: PieceRecord) -> int:
     """May the piece begin to hide?"""
     if not is_ground(piece):
         return Code.NOT_GROUND
@@ -111,16 +117,16 @@ def hide_code(piece: Row) -> int:
 
 
 @kernel
-def point_at(cell: int, game: Row) -> int:
-    """Number of the control point in a cell; -1 where there is none."""
-    for k in range(int(game.n_points)):
+def point_at(cell: CellIndex, game: GameRecord) -> PointIndex:
+    """Number of the control point in a cell; NO_POINT where there is none."""
+    for k in point_range(game.n_points):
         if game.point_cell[k] == cell:
             return k
-    return -1
+    return NO_POINT
 
 
 @kernel
-def occupy_code(piece: Row, game: Row) -> int:
+def occupy_code(piece: PieceRecord, game: GameRecord) -> int:
     """Place, camp and progress only; enemies are looked for in the step itself."""
     if not is_ground(piece):
         return Code.NOT_GROUND
@@ -135,7 +141,7 @@ def occupy_code(piece: Row, game: Row) -> int:
 
 
 @kernel
-def target_code(i: int, t: int, game: Row, pieces: Rows) -> int:
+def target_code(i: PieceIndex, t: PieceIndex, game: GameRecord, pieces: Pieces) -> int:
     """May piece i aim at piece t at all: an enemy, there, seen by i itself, not in close combat?"""
     if t < 0 or t >= pieces.size:
         return Code.TARGET_GONE
@@ -149,7 +155,9 @@ def target_code(i: int, t: int, game: Row, pieces: Rows) -> int:
 
 
 @kernel
-def range_code(weapon: int, shooter: Row, target: Row, rules: Row, cells: Rows) -> int:
+def range_code(
+    weapon: int, shooter: PieceRecord, target: PieceRecord, rules: RulesRecord, cells: Cells
+) -> int:
     """Distance and attack level of a shot."""
     apart = cells_apart(cells, shooter.cell, target.cell)
     table = rules.level[weapon, target_class(target.kind), min(int(shooter.blood), rules.level.shape[2] - 1)]
@@ -161,7 +169,7 @@ def range_code(weapon: int, shooter: Row, target: Row, rules: Row, cells: Rows) 
 
 
 @kernel
-def may_fire_now(piece: Row, weapon: int, rules: Row) -> int:
+def may_fire_now(piece: PieceRecord, weapon: int, rules: RulesRecord) -> int:
     """Settled, or a type that fires on the move with the weapon for it."""
     if piece.kind == PieceType.SOLDIER and piece.suppressed:
         return Code.SUPPRESSED
@@ -177,7 +185,15 @@ def may_fire_now(piece: Row, weapon: int, rules: Row) -> int:
 
 
 @kernel
-def shoot_code(i: int, t: int, weapon: int, game: Row, pieces: Rows, rules: Row, cells: Rows) -> int:
+def shoot_code(
+    i: PieceIndex,
+    t: PieceIndex,
+    weapon: int,
+    game: GameRecord,
+    pieces: Pieces,
+    rules: RulesRecord,
+    cells: Cells,
+) -> int:
     """May piece i fire this weapon at piece t?"""
     piece = pieces[i]
     if weapon < 0 or weapon >= rules.pool.shape[1] or rules.pool[piece.kind, weapon] == NO_POOL:
@@ -196,7 +212,15 @@ def shoot_code(i: int, t: int, weapon: int, game: Row, pieces: Rows, rules: Row,
 
 
 @kernel
-def guide_code(i: int, c: int, t: int, game: Row, pieces: Rows, rules: Row, cells: Rows) -> int:
+def guide_code(
+    i: PieceIndex,
+    c: PieceIndex,
+    t: PieceIndex,
+    game: GameRecord,
+    pieces: Pieces,
+    rules: RulesRecord,
+    cells: Cells,
+) -> int:
     """May piece i guide a heavy missile of chariot c to piece t (section 8)?"""
     piece = pieces[i]
     if piece.kind != PieceType.SOLDIER and piece.kind != PieceType.AEROCRAFT:
@@ -230,7 +254,7 @@ def guide_code(i: int, c: int, t: int, game: Row, pieces: Rows, rules: Row, cell
 
 
 @kernel
-def indirect_code(piece: Row, cell: int, rules: Row, cells: Rows) -> int:
+def indirect_code(piece: PieceRecord, cell: CellIndex, rules: RulesRecord, cells: Cells) -> int:
     """May the chariot fire its mortar at a cell (section 9)?"""
     if rules.pool[piece.kind, Weapon.MORTAR] == NO_POOL:
         return Code.WRONG_TYPE
@@ -251,7 +275,7 @@ def indirect_code(piece: Row, cell: int, rules: Row, cells: Rows) -> int:
 
 
 @kernel
-def get_on_code(piece: Row, c: int, pieces: Rows) -> int:
+def get_on_code(piece: PieceRecord, c: PieceIndex, pieces: Pieces) -> int:
     """May the soldier board chariot c?"""
     if piece.kind != PieceType.SOLDIER:
         return Code.WRONG_TYPE
@@ -272,7 +296,7 @@ def get_on_code(piece: Row, c: int, pieces: Rows) -> int:
 
 
 @kernel
-def get_off_code(c: int, p: int, pieces: Rows, rules: Row) -> int:
+def get_off_code(c: PieceIndex, p: PieceIndex, pieces: Pieces, rules: RulesRecord) -> int:
     """May chariot c set down passenger p?"""
     chariot = pieces[c]
     if chariot.kind != PieceType.CHARIOT:
@@ -289,7 +313,7 @@ def get_off_code(c: int, p: int, pieces: Rows, rules: Row) -> int:
 
 
 @kernel
-def decompress_code(piece: Row, game: Row, rules: Row) -> int:
+def decompress_code(piece: PieceRecord, game: GameRecord, rules: RulesRecord) -> int:
     """May the piece work itself free of suppression?"""
     if not piece.suppressed:
         return Code.NOT_SUPPRESSED

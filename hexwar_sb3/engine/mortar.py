@@ -9,12 +9,28 @@ from hexwar_sb3.engine.dice import die, two_dice
 from hexwar_sb3.engine.events import note, note_shot
 from hexwar_sb3.engine.fire import add_result, clamp
 from hexwar_sb3.engine.pieces import count_in, in_motion, on_map, spend_round, stands_in
-from hexwar_sb3.engine.records import NEVER, NO_CELL, NO_PIECE, ROUND_BURSTING, ROUND_FLYING, ROUND_FREE
+from hexwar_sb3.engine.records import (
+    NEVER,
+    NO_CELL,
+    NO_PIECE,
+    ROUND_BURSTING,
+    ROUND_FLYING,
+    ROUND_FREE,
+    GameRecord,
+    Log,
+    Orders,
+    PieceRecord,
+    Pieces,
+    RoundRecord,
+    Rounds,
+)
 from hexwar_sb3.engine.sight import has_line
-from hexwar_sb3.kernels import Row, Rows, kernel
+from hexwar_sb3.kernels import kernel
+from hexwar_sb3.maps.cells import Cells, Sightlines
 from hexwar_sb3.maps.geometry import cells_apart, frame_direction
-from hexwar_sb3.rules.compiled import NO_EFFECT, SCATTER_HIT
+from hexwar_sb3.rules.compiled import NO_EFFECT, SCATTER_HIT, RulesRecord
 from hexwar_sb3.rules.enums import Action, Dice, PieceType, Weapon
+from hexwar_sb3.rules.indices import CampIndex, CellIndex, PieceIndex, piece_range
 
 _ONE = np.uint32(1)
 _OBSERVER_SEES, _OBSERVER_LOOKS, _NO_OBSERVER = 2, 1, 0
@@ -22,7 +38,14 @@ _OBSERVER_SEES, _OBSERVER_LOOKS, _NO_OBSERVER = 2, 1, 0
 
 @kernel
 def launch(
-    i: int, cell: int, game: Row, pieces: Rows, rounds: Rows, log: Rows, rules: Row, cells: Rows
+    i: PieceIndex,
+    cell: CellIndex,
+    game: GameRecord,
+    pieces: Pieces,
+    rounds: Rounds,
+    log: Log,
+    rules: RulesRecord,
+    cells: Cells,
 ) -> None:
     """Fire the mortar at a cell: the round flies from now on."""
     piece = pieces[i]
@@ -40,7 +63,7 @@ def launch(
         shell.fired_at = game.tick
         shell.land_at = game.tick + rules.flight_ticks
         shell.end_at = game.tick + rules.burst_ticks
-        shell.judged = 0
+        shell.judged = np.uint32(0)
         break
     spend_round(piece, Weapon.MORTAR, rules)
     piece.mortar_ends = game.tick + rules.mortar_cool_ticks
@@ -51,7 +74,7 @@ def launch(
 
 
 @kernel
-def cancel_rounds(orders: Rows, rounds: Rows) -> None:
+def cancel_rounds(orders: Orders, rounds: Rounds) -> None:
     """A move order of the owner before landing, in the last step of the flight too, loses the round."""
     for r in range(rounds.size):
         order = orders[rounds[r].owner]
@@ -61,15 +84,17 @@ def cancel_rounds(orders: Rows, rounds: Rows) -> None:
 
 
 @kernel
-def observer_class(camp: int, cell: int, pieces: Rows, rules: Row, cells: Rows, los: Rows) -> int:
+def observer_class(
+    camp: CampIndex, cell: CellIndex, pieces: Pieces, rules: RulesRecord, cells: Cells, los: Sightlines
+) -> int:
     """Correction class of a landing: does an own piece see an enemy there, or look there at all?"""
     best = _NO_OBSERVER
-    for i in range(pieces.size):
+    for i in piece_range(pieces.size):
         if pieces[i].camp != camp or not on_map(pieces[i]):
             continue
         if not has_line(pieces[i], PieceType.TANK, cell, los):
             continue
-        for j in range(pieces.size):
+        for j in piece_range(pieces.size):
             seen = (np.uint32(pieces[i].sees) >> np.uint32(j)) & _ONE == 1
             if seen and pieces[j].cell == cell:
                 return _OBSERVER_SEES
@@ -79,7 +104,15 @@ def observer_class(camp: int, cell: int, pieces: Rows, rules: Row, cells: Rows, 
 
 
 @kernel
-def land_rounds(game: Row, pieces: Rows, rounds: Rows, log: Rows, rules: Row, cells: Rows, los: Rows) -> None:
+def land_rounds(
+    game: GameRecord,
+    pieces: Pieces,
+    rounds: Rounds,
+    log: Log,
+    rules: RulesRecord,
+    cells: Cells,
+    los: Sightlines,
+) -> None:
     """Rounds whose flight ends with this step: scatter, and judge everybody in the impact cell."""
     for r in range(rounds.size):
         shell = rounds[r]
@@ -87,13 +120,15 @@ def land_rounds(game: Row, pieces: Rows, rounds: Rows, log: Rows, rules: Row, ce
             continue
         _scatter(shell, game, pieces, rules, cells, los)
         note(game, log, Event.MORTAR_LANDED, shell.owner, NO_PIECE, shell.impact, shell.hit)
-        for i in range(pieces.size):
+        for i in piece_range(pieces.size):
             if stands_in(pieces[i], shell.impact):
                 judge(i, shell, game, pieces, log, rules, cells)
 
 
 @kernel
-def _scatter(shell: Row, game: Row, pieces: Rows, rules: Row, cells: Rows, los: Rows) -> None:
+def _scatter(
+    shell: RoundRecord, game: GameRecord, pieces: Pieces, rules: RulesRecord, cells: Cells, los: Sightlines
+) -> None:
     owner = pieces[shell.owner]
     column = clamp((shell.launch_cells - 1) // rules.scatter_band_cells, 0, rules.scatter.shape[2] - 1)
     roll = two_dice(game, game.tick, Dice.SCATTER, owner, owner, 0)
@@ -112,7 +147,15 @@ def _scatter(shell: Row, game: Row, pieces: Rows, rules: Row, cells: Rows, los: 
 
 
 @kernel
-def judge(i: int, shell: Row, game: Row, pieces: Rows, log: Rows, rules: Row, cells: Rows) -> None:
+def judge(
+    i: PieceIndex,
+    shell: RoundRecord,
+    game: GameRecord,
+    pieces: Pieces,
+    log: Log,
+    rules: RulesRecord,
+    cells: Cells,
+) -> None:
     """Throw for one piece in the impact cell, own or enemy; once a burst."""
     bit = _ONE << np.uint32(i)
     if np.uint32(shell.judged) & bit != 0:
@@ -132,7 +175,7 @@ def judge(i: int, shell: Row, game: Row, pieces: Rows, log: Rows, rules: Row, ce
 
 
 @kernel
-def burst_mods(piece: Row, guns: int, pieces: Rows, rules: Row, cells: Rows) -> int:
+def burst_mods(piece: PieceRecord, guns: int, pieces: Pieces, rules: RulesRecord, cells: Cells) -> int:
     """Sum of the modifiers for a piece under a burst."""
     mods = int(rules.burst_armour[rules.armour[piece.kind]])
     mods += rules.burst_guns[min(guns, rules.burst_guns.size - 1)]
@@ -149,13 +192,19 @@ def burst_mods(piece: Row, guns: int, pieces: Rows, rules: Row, cells: Rows) -> 
 
 @kernel
 def judge_entering(
-    entered: np.uint32, game: Row, pieces: Rows, rounds: Rows, log: Rows, rules: Row, cells: Rows
+    entered: np.uint32,
+    game: GameRecord,
+    pieces: Pieces,
+    rounds: Rounds,
+    log: Log,
+    rules: RulesRecord,
+    cells: Cells,
 ) -> None:
     """Judge the pieces that came into a bursting cell in this step."""
     for r in range(rounds.size):
         if rounds[r].status != ROUND_BURSTING:
             continue
-        for i in range(pieces.size):
+        for i in piece_range(pieces.size):
             came = (entered >> np.uint32(i)) & _ONE == 1
             if came and stands_in(pieces[i], rounds[r].impact):
                 judge(i, rounds[r], game, pieces, log, rules, cells)

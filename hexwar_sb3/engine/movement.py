@@ -16,15 +16,27 @@ from hexwar_sb3.engine.pieces import (
     is_ground,
     next_cell_of,
 )
-from hexwar_sb3.engine.records import NEVER, NO_PIECE
-from hexwar_sb3.kernels import Row, Rows, kernel
+from hexwar_sb3.engine.records import (
+    NEVER,
+    NO_PIECE,
+    GameRecord,
+    Log,
+    OrderRecord,
+    Paths,
+    PieceRecord,
+    Pieces,
+)
+from hexwar_sb3.kernels import kernel
+from hexwar_sb3.maps.cells import Cells
+from hexwar_sb3.rules.compiled import RulesRecord
 from hexwar_sb3.rules.enums import PieceType
+from hexwar_sb3.rules.indices import CampIndex, CellIndex, PieceIndex, camp_range, piece_range
 
 _ONE = np.uint32(1)
 
 
 @kernel
-def begin_move(i: int, order: Row, pieces: Rows, paths: Rows) -> None:
+def begin_move(i: PieceIndex, order: OrderRecord, pieces: Pieces, paths: Paths) -> None:
     """Take up a path: cover is lost, a natural stop transition ends."""
     piece = pieces[i]
     for k in range(int(order.path_len)):
@@ -39,7 +51,7 @@ def begin_move(i: int, order: Row, pieces: Rows, paths: Rows) -> None:
 
 
 @kernel
-def begin_stop(piece: Row, tick: int, rules: Row) -> None:
+def begin_stop(piece: PieceRecord, tick: int, rules: RulesRecord) -> None:
     """Turn back in the first half of a hop, else finish it; then stand for the transition."""
     if hop_progress(piece, tick) * 2 >= piece.hop_need and piece.arrives_at != NEVER:
         piece.path_len = piece.path_pos + 1
@@ -52,9 +64,11 @@ def begin_stop(piece: Row, tick: int, rules: Row) -> None:
 
 
 @kernel
-def start_hops(tick: int, game: Row, pieces: Rows, paths: Rows, log: Rows, rules: Row, cells: Rows) -> None:
+def start_hops(
+    tick: int, game: GameRecord, pieces: Pieces, paths: Paths, log: Log, rules: RulesRecord, cells: Cells
+) -> None:
     """Let every piece with a path and no hop under way start one in the step of `tick`, or wait for room."""
-    for i in range(pieces.size):
+    for i in piece_range(pieces.size):
         piece = pieces[i]
         if piece.blood == 0 or piece.arrives_at != NEVER or not has_path(piece):
             continue
@@ -77,22 +91,24 @@ def start_hops(tick: int, game: Row, pieces: Rows, paths: Rows, log: Rows, rules
 
 
 @kernel
-def _is_full(piece: Row, cell: int, pieces: Rows, rules: Row) -> bool:
+def _is_full(piece: PieceRecord, cell: CellIndex, pieces: Pieces, rules: RulesRecord) -> bool:
     """No room for one more ground piece of its camp."""
     return is_ground(piece) and count_in(pieces, piece.camp, cell) >= rules.stack_limit
 
 
 @kernel
-def arrive(game: Row, pieces: Rows, paths: Rows, log: Rows, rules: Row, cells: Rows) -> np.uint32:
+def arrive(
+    game: GameRecord, pieces: Pieces, paths: Paths, log: Log, rules: RulesRecord, cells: Cells
+) -> np.uint32:
     """End the hops due in this step; bits of the pieces that came into a new cell."""
     ready = np.uint32(0)
-    for i in range(pieces.size):
+    for i in piece_range(pieces.size):
         if pieces[i].arrives_at <= game.tick + 1:
             ready |= _ONE << np.uint32(i)
     if ready == 0:
         return ready
     arrived = np.uint32(0)
-    for camp in range(2):
+    for camp in camp_range(2):
         arrived |= _arrive_camp(camp, ready, game, pieces, paths, log, rules, cells)
     _wait_outside(ready & ~arrived, pieces)
     return arrived
@@ -100,7 +116,14 @@ def arrive(game: Row, pieces: Rows, paths: Rows, log: Rows, rules: Row, cells: R
 
 @kernel
 def _arrive_camp(
-    camp: int, ready: np.uint32, game: Row, pieces: Rows, paths: Rows, log: Rows, rules: Row, cells: Rows
+    camp: CampIndex,
+    ready: np.uint32,
+    game: GameRecord,
+    pieces: Pieces,
+    paths: Paths,
+    log: Log,
+    rules: RulesRecord,
+    cells: Cells,
 ) -> np.uint32:
     """Passes over the camp's ready pieces in order of priority until nobody else finds room."""
     arrived = np.uint32(0)
@@ -123,10 +146,12 @@ def _arrive_camp(
 
 
 @kernel
-def _next_in_order(last: int, camp: int, ready: np.uint32, game: Row, pieces: Rows) -> int:
+def _next_in_order(
+    last: PieceIndex, camp: CampIndex, ready: np.uint32, game: GameRecord, pieces: Pieces
+) -> PieceIndex:
     """The ready piece of the camp that follows piece `last` in priority; NO_PIECE after the end."""
     best = NO_PIECE
-    for i in range(pieces.size):
+    for i in piece_range(pieces.size):
         if pieces[i].camp != camp or (ready >> np.uint32(i)) & _ONE == 0 or i == last:
             continue
         rank = priority(game, game.tick, pieces[i])
@@ -138,7 +163,9 @@ def _next_in_order(last: int, camp: int, ready: np.uint32, game: Row, pieces: Ro
 
 
 @kernel
-def _enter(i: int, cell: int, game: Row, pieces: Rows, log: Rows, rules: Row) -> None:
+def _enter(
+    i: PieceIndex, cell: CellIndex, game: GameRecord, pieces: Pieces, log: Log, rules: RulesRecord
+) -> None:
     piece = pieces[i]
     piece.cell = cell
     piece.arrives_at = NEVER
@@ -155,9 +182,9 @@ def _enter(i: int, cell: int, game: Row, pieces: Rows, log: Rows, rules: Row) ->
 
 
 @kernel
-def _wait_outside(bits: np.uint32, pieces: Rows) -> None:
+def _wait_outside(bits: np.uint32, pieces: Pieces) -> None:
     """Pieces that found no room start their hop again from nothing when there is room."""
-    for i in range(pieces.size):
+    for i in piece_range(pieces.size):
         if (bits >> np.uint32(i)) & _ONE == 1:
             pieces[i].arrives_at = NEVER
             pieces[i].waiting = 1

@@ -17,13 +17,14 @@ from hexwar_sb3.engine.roster import Roster, enemy_of
 from hexwar_sb3.kernels import Row, Rows
 from hexwar_sb3.maps.geometry import DIRECTION_NAMES, NO_DIRECTION, direction_between
 from hexwar_sb3.rules.enums import Action, Weapon
+from hexwar_sb3.rules.indices import CellIndex, PieceIndex
 
 NO_WEAPON = -1
 GAP = len(DIRECTION_NAMES)  # direction of a path step to a cell that is no neighbour: never legal
 _TOO_LONG = PATH_CELLS + 1  # path_len of every path that does not fit
 
 
-def write_order(order: Order, i: int, row: Row, roster: Roster, pieces: Rows, cells: Rows) -> None:
+def write_order(order: Order, i: PieceIndex, row: Row, roster: Roster, pieces: Rows, cells: Rows) -> None:
     """Write the order of piece i into its record.
 
     Raises:
@@ -35,7 +36,7 @@ def write_order(order: Order, i: int, row: Row, roster: Roster, pieces: Rows, ce
     camp = roster.camps[i]
     match order:
         case Move():
-            _write_path(_directions(order, int(pieces[i].cell), roster, cells), row)
+            _write_path(_directions(order, CellIndex(pieces[i].cell), roster, cells), row)
         case Shoot():
             row.target = roster.index_in(enemy_of(camp), order.target)
             row.weapon = Weapon[order.weapon]
@@ -70,7 +71,7 @@ def _write_path(directions: list[int], row: Row) -> None:
         row.path[k] = direction
 
 
-def _directions(order: Move, start: int, roster: Roster, cells: Rows) -> list[int]:
+def _directions(order: Move, start: CellIndex, roster: Roster, cells: Rows) -> list[int]:
     """Directions of a path; GAP where a step names no neighbour."""
     found: list[int] = []
     here = start
@@ -82,16 +83,16 @@ def _directions(order: Move, start: int, roster: Roster, cells: Rows) -> list[in
         if direction == NO_DIRECTION or cells[here].neighbour[direction] == NO_CELL:
             return [*found, GAP]
         found.append(direction)
-        here = int(cells[here].neighbour[direction])
+        here = CellIndex(cells[here].neighbour[direction])
     return found
 
 
-def read_order(i: int, row: Row, roster: Roster, pieces: Rows, cells: Rows) -> Order:
+def read_order(i: PieceIndex, row: Row, roster: Roster, pieces: Rows, cells: Rows) -> Order:
     """The order that a record holds, in words; the path as cell names."""
     piece = roster.short(i)
     match Action(row.kind):
         case Action.MOVE:
-            return Move(piece, _cell_names(row, int(pieces[i].cell), roster, cells))
+            return Move(piece, _cell_names(row, CellIndex(pieces[i].cell), roster, cells))
         case Action.SHOOT:
             return Shoot(piece, roster.names[row.target], Weapon(row.weapon).name)
         case Action.GUIDE_SHOOT:
@@ -106,11 +107,11 @@ def read_order(i: int, row: Row, roster: Roster, pieces: Rows, cells: Rows) -> O
             return ORDERS[action](piece)
 
 
-def _cell_names(row: Row, start: int, roster: Roster, cells: Rows) -> list[str]:
+def _cell_names(row: Row, start: CellIndex, roster: Roster, cells: Rows) -> list[str]:
     """Cells of a path; a step that leads nowhere stays a direction and is the last one."""
     names, here = [], start
     for direction in map(int, row.path[: row.path_len]):
-        here = int(cells[here].neighbour[direction]) if direction < len(DIRECTION_NAMES) else NO_CELL
+        here = CellIndex(cells[here].neighbour[direction]) if direction < len(DIRECTION_NAMES) else NO_CELL
         if here == NO_CELL:
             break
         names.append(roster.cell_name(here))

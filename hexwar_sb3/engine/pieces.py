@@ -2,26 +2,28 @@
 
 from __future__ import annotations
 
-from hexwar_sb3.engine.records import BOARD_NONE, NEVER, NO_CELL, NO_PIECE
-from hexwar_sb3.kernels import Row, Rows, kernel
-from hexwar_sb3.rules.compiled import NO_POOL
+from hexwar_sb3.engine.records import BOARD_NONE, NEVER, NO_CELL, NO_PIECE, GameRecord, PieceRecord, Pieces
+from hexwar_sb3.kernels import Rows, kernel
+from hexwar_sb3.maps.cells import Cells
+from hexwar_sb3.rules.compiled import NO_POOL, RulesRecord
 from hexwar_sb3.rules.enums import HopClass, PieceType, TargetClass
+from hexwar_sb3.rules.indices import CampIndex, CellIndex, PieceIndex, piece_range
 
 
 @kernel
-def has_path(piece: Row) -> bool:
+def has_path(piece: PieceRecord) -> bool:
     """The piece has cells left to walk."""
     return piece.path_pos < piece.path_len
 
 
 @kernel
-def in_motion(piece: Row) -> bool:
+def in_motion(piece: PieceRecord) -> bool:
     """What the fire modifiers call moving: a path, or the stop transition after it."""
     return has_path(piece) or piece.stop_ends != NEVER
 
 
 @kernel
-def is_busy(piece: Row) -> bool:
+def is_busy(piece: PieceRecord) -> bool:
     """Hiding, boarding, decompressing or in a forced stop: no order but occupy."""
     if piece.hide_ends != NEVER or piece.board_ends != NEVER or piece.decompress_ends != NEVER:
         return True
@@ -29,7 +31,7 @@ def is_busy(piece: Row) -> bool:
 
 
 @kernel
-def is_settled(piece: Row) -> bool:
+def is_settled(piece: PieceRecord) -> bool:
     """Stands, with no transition of any kind under way."""
     if has_path(piece) or piece.stop_ends != NEVER:
         return False
@@ -37,35 +39,35 @@ def is_settled(piece: Row) -> bool:
 
 
 @kernel
-def is_ground(piece: Row) -> bool:
+def is_ground(piece: PieceRecord) -> bool:
     """Everything but an aerocraft."""
     return piece.kind != PieceType.AEROCRAFT
 
 
 @kernel
-def on_map(piece: Row) -> bool:
+def on_map(piece: PieceRecord) -> bool:
     """Alive and not aboard."""
     return piece.blood > 0 and piece.carrier == NO_PIECE
 
 
 @kernel
-def stands_in(piece: Row, cell: int) -> bool:
+def stands_in(piece: PieceRecord, cell: CellIndex) -> bool:
     """A living ground piece, not aboard, in this cell (progress counts for the old cell)."""
     return piece.cell == cell and piece.blood > 0 and piece.carrier == NO_PIECE and is_ground(piece)
 
 
 @kernel
-def count_in(pieces: Rows, camp: int, cell: int) -> int:
+def count_in(pieces: Pieces, camp: CampIndex, cell: CellIndex) -> int:
     """Ground pieces of a camp that stand in a cell; passengers do not count."""
     count = 0
-    for i in range(pieces.size):
+    for i in piece_range(pieces.size):
         if pieces[i].camp == camp and stands_in(pieces[i], cell):
             count += 1
     return count
 
 
 @kernel
-def in_fight(game: Row, piece: Row) -> bool:
+def in_fight(game: GameRecord, piece: PieceRecord) -> bool:
     """In close combat: a ground piece in a cell that holds both camps (section 10)."""
     if not is_ground(piece) or piece.carrier != NO_PIECE:
         return False
@@ -86,7 +88,7 @@ def target_class(kind: int) -> int:
 
 
 @kernel
-def weapon_ammo(piece: Row, weapon: int, rules: Row) -> int:
+def weapon_ammo(piece: PieceRecord, weapon: int, rules: RulesRecord) -> int:
     """Rounds left for a weapon; 0 also where the type does not carry it."""
     pool = rules.pool[piece.kind, weapon]
     if pool == NO_POOL:
@@ -95,19 +97,19 @@ def weapon_ammo(piece: Row, weapon: int, rules: Row) -> int:
 
 
 @kernel
-def spend_round(piece: Row, weapon: int, rules: Row) -> None:
+def spend_round(piece: PieceRecord, weapon: int, rules: RulesRecord) -> None:
     """One round less in the weapon's pool."""
     piece.ammo[rules.pool[piece.kind, weapon]] -= 1
 
 
 @kernel
-def hop_need(piece: Row, direction: int, rules: Row, cells: Rows) -> int:
+def hop_need(piece: PieceRecord, direction: int, rules: RulesRecord, cells: Cells) -> int:
     """Ticks of a hop from the piece's cell, 0 where there is none."""
     return hop_from(piece.kind, piece.cell, direction, rules, cells)
 
 
 @kernel
-def hop_from(kind: int, cell: int, direction: int, rules: Row, cells: Rows) -> int:
+def hop_from(kind: int, cell: CellIndex, direction: int, rules: RulesRecord, cells: Cells) -> int:
     """Ticks of a hop of a type of piece from a cell, 0 where there is none (section 1)."""
     if cells[cell].neighbour[direction] == NO_CELL:
         return 0
@@ -118,7 +120,7 @@ def hop_from(kind: int, cell: int, direction: int, rules: Row, cells: Rows) -> i
 
 
 @kernel
-def hop_progress(piece: Row, tick: int) -> int:
+def hop_progress(piece: PieceRecord, tick: int) -> int:
     """Ticks of the hop under way that are done in the state of `tick`; 0 without a hop."""
     if piece.arrives_at == NEVER:
         return 0
@@ -126,15 +128,15 @@ def hop_progress(piece: Row, tick: int) -> int:
 
 
 @kernel
-def next_cell_of(piece: Row, path: Rows, cells: Rows) -> int:
+def next_cell_of(piece: PieceRecord, path: Rows, cells: Cells) -> CellIndex:
     """Cell that the path leads to next; NO_CELL without a path."""
     if not has_path(piece):
         return NO_CELL
-    return int(cells[piece.cell].neighbour[path[piece.path_pos]])
+    return CellIndex(cells[piece.cell].neighbour[path[piece.path_pos]])
 
 
 @kernel
-def clear_path(piece: Row) -> None:
+def clear_path(piece: PieceRecord) -> None:
     """Drop the path and the hop under way: the piece stands in its cell."""
     piece.path_pos = 0
     piece.path_len = 0
@@ -144,7 +146,7 @@ def clear_path(piece: Row) -> None:
 
 
 @kernel
-def clear_boarding(piece: Row) -> None:
+def clear_boarding(piece: PieceRecord) -> None:
     """Forget a boarding under way (one side of it)."""
     piece.board_ends = NEVER
     piece.board_kind = BOARD_NONE
@@ -152,7 +154,7 @@ def clear_boarding(piece: Row) -> None:
 
 
 @kernel
-def cancel_boarding(i: int, pieces: Rows) -> None:
+def cancel_boarding(i: PieceIndex, pieces: Pieces) -> None:
     """Cancel the boarding of piece i for both partners."""
     if pieces[i].board_kind == BOARD_NONE:
         return
@@ -162,7 +164,7 @@ def cancel_boarding(i: int, pieces: Rows) -> None:
 
 
 @kernel
-def cancel_transitions(i: int, pieces: Rows) -> None:
+def cancel_transitions(i: PieceIndex, pieces: Pieces) -> None:
     """Suppression, close combat: hiding, boarding and decompressing end without effect."""
     pieces[i].hide_ends = NEVER
     pieces[i].decompress_ends = NEVER

@@ -7,11 +7,21 @@ import numpy as np
 from hexwar_sb3.engine.codes import Code
 from hexwar_sb3.engine.dice import splitmix64
 from hexwar_sb3.engine.legality import order_code
-from hexwar_sb3.engine.records import MAX_PIECES, NO_CELL
-from hexwar_sb3.kernels import Row, Rows, kernel
+from hexwar_sb3.engine.records import (
+    MAX_PIECES,
+    NO_CELL,
+    GameRecord,
+    OrderRecord,
+    Orders,
+    PieceRecord,
+    Pieces,
+)
+from hexwar_sb3.kernels import kernel
+from hexwar_sb3.maps.cells import Cells
 from hexwar_sb3.maps.geometry import DIRECTION_NAMES, cells_apart
-from hexwar_sb3.rules.compiled import NO_POOL
+from hexwar_sb3.rules.compiled import NO_POOL, RulesRecord
 from hexwar_sb3.rules.enums import Action, Camp
+from hexwar_sb3.rules.indices import CampIndex, CellIndex, PieceIndex, piece_range
 
 _N_DIRECTIONS = len(DIRECTION_NAMES)
 _TRIES = 32  # candidates for a piece before it does nothing; the first half of them tries to act
@@ -34,16 +44,18 @@ _MOVES = (Action.MOVE, Action.MOVE, Action.STOP, Action.HIDE, *(Action.NULL,) * 
 
 
 @kernel
-def draw(seed: np.uint64, tick: int, i: int, n: int, below: int) -> int:
+def draw(seed: np.uint64, tick: int, i: PieceIndex, n: int, below: int) -> int:
     """Random whole number n of piece i in this tick, from 0 to below - 1."""
     x = splitmix64(np.uint64(seed) ^ splitmix64(np.uint64((int(tick) * 64 + int(i)) * 4096 + int(n))))
     return int(x >> _TOP_BITS) % below
 
 
 @kernel
-def random_orders(seed: np.uint64, game: Row, pieces: Rows, orders: Rows, rules: Row, cells: Rows) -> None:
+def random_orders(
+    seed: np.uint64, game: GameRecord, pieces: Pieces, orders: Orders, rules: RulesRecord, cells: Cells
+) -> None:
     """Give the pieces of both camps random legal orders; the same seed and state give the same."""
-    for i in range(pieces.size):
+    for i in piece_range(pieces.size):
         order = orders[i]
         for n in range(_TRIES):
             propose(seed, i, n, order, game, pieces, rules, cells)
@@ -54,7 +66,14 @@ def random_orders(seed: np.uint64, game: Row, pieces: Rows, orders: Rows, rules:
 
 @kernel
 def propose(
-    seed: np.uint64, i: int, n: int, order: Row, game: Row, pieces: Rows, rules: Row, cells: Rows
+    seed: np.uint64,
+    i: PieceIndex,
+    n: int,
+    order: OrderRecord,
+    game: GameRecord,
+    pieces: Pieces,
+    rules: RulesRecord,
+    cells: Cells,
 ) -> None:
     """Write the nth random order for piece i, legal or not."""
     tick, n0 = game.tick, n * _DRAWS
@@ -65,10 +84,12 @@ def propose(
     order.weapon = carried(pieces[i], draw(seed, tick, i, n0 + 1, rules.pool.shape[1]), rules)
     boards = order.kind == Action.GET_ON or order.kind == Action.GET_OFF
     order.target = any_of(
-        pieces[i].camp if boards else 1 - pieces[i].camp, draw(seed, tick, i, n0 + 2, MAX_PIECES), game
+        pieces[i].camp if boards else CampIndex(1 - pieces[i].camp),
+        draw(seed, tick, i, n0 + 2, MAX_PIECES),
+        game,
     )
     order.partner = any_of(pieces[i].camp, draw(seed, tick, i, n0 + 3, MAX_PIECES), game)
-    order.cell = draw(seed, tick, i, n0 + 4, cells.size)
+    order.cell = CellIndex(draw(seed, tick, i, n0 + 4, cells.size))
     order.path_len = 1 + draw(seed, tick, i, n0 + 5, _LONGEST_PATH)
     walk(order, pieces[i].cell, pieces[order.target].cell, draw(seed, tick, i, n0 + 6, _CHASES), cells)
     if order.kind == Action.STOP and draw(seed, tick, i, n0 + 7, _STOPS) > 0:
@@ -76,15 +97,15 @@ def propose(
 
 
 @kernel
-def any_of(camp: int, number: int, game: Row) -> int:
+def any_of(camp: CampIndex, number: int, game: GameRecord) -> PieceIndex:
     """A piece of the camp by any number."""
     if camp == Camp.RED:
-        return number % game.n_red
-    return game.n_red + number % (game.n_pieces - game.n_red)
+        return PieceIndex(number % game.n_red)
+    return PieceIndex(game.n_red + number % (game.n_pieces - game.n_red))
 
 
 @kernel
-def walk(order: Row, cell: int, goal: int, way: int, cells: Rows) -> None:
+def walk(order: OrderRecord, cell: CellIndex, goal: CellIndex, way: int, cells: Cells) -> None:
     """Write a path: straight in direction `way`, or towards the goal if that is no direction."""
     for k in range(order.path_len):
         direction = way if way < _N_DIRECTIONS else toward(cell, goal, cells)
@@ -94,7 +115,7 @@ def walk(order: Row, cell: int, goal: int, way: int, cells: Rows) -> None:
 
 
 @kernel
-def toward(cell: int, goal: int, cells: Rows) -> int:
+def toward(cell: CellIndex, goal: CellIndex, cells: Cells) -> int:
     """Direction of the neighbour that is nearest to the goal."""
     best = 0
     apart = cells.size
@@ -106,7 +127,7 @@ def toward(cell: int, goal: int, cells: Rows) -> int:
 
 
 @kernel
-def carried(piece: Row, weapon: int, rules: Row) -> int:
+def carried(piece: PieceRecord, weapon: int, rules: RulesRecord) -> int:
     """The first weapon from this one on, around the table, that the piece carries."""
     n = rules.pool.shape[1]
     for k in range(n):

@@ -29,6 +29,7 @@ from hexwar_sb3.kernels import Row, Rows
 from hexwar_sb3.maps.geometry import cells_apart
 from hexwar_sb3.rules.compiled import NO_POOL
 from hexwar_sb3.rules.enums import Action, PieceType, Weapon
+from hexwar_sb3.rules.indices import CellIndex
 
 SENTENCES: dict[Code, str] = {
     Code.GAME_OVER: "the game is over since tick {tick}; no order is taken any more",
@@ -143,10 +144,10 @@ class Case:
         return int(self.row.partner if self.order.action == Action.GUIDE_SHOOT else self.row.target)
 
     @property
-    def aim_cell(self) -> int:
+    def aim_cell(self) -> CellIndex:
         """The cell that is fired at."""
         by_cell = self.order.action == Action.INDIRECT_SHOOT
-        return int(self.row.cell if by_cell else self.pieces[self.row.target].cell)
+        return CellIndex(self.row.cell if by_cell else self.pieces[self.row.target].cell)
 
     def left(self, ends: int) -> int:
         """Ticks until an end tick."""
@@ -252,12 +253,12 @@ def wrong_type(case: Case) -> str:
 
 def bad_hop(case: Case) -> tuple[str, str]:
     """First hop of a path that is not possible, or the first of all, as two names."""
-    here, steps = int(case.me.cell), case.order.words()
+    here, steps = CellIndex(case.me.cell), case.order.words()
     for k, step in enumerate(steps):
         direction = int(case.row.path[k])
         if direction == GAP or not hop_from(case.me.kind, here, direction, case.rules, case.cells):
             return case.roster.cell_name(here), step
-        here = int(case.cells[here].neighbour[direction])
+        here = CellIndex(case.cells[here].neighbour[direction])
     return case.roster.cell_name(case.me.cell), steps[0]
 
 

@@ -25,6 +25,7 @@ from hexwar_sb3.engine.state import State
 from hexwar_sb3.engine.world import World
 from hexwar_sb3.kernels import Row, Rows
 from hexwar_sb3.rules.enums import Action
+from hexwar_sb3.rules.indices import PieceIndex
 
 Line: TypeAlias = dict[str, Any]  # one line of a replay file
 
@@ -72,7 +73,7 @@ class Recorder:
 
     def _read(self, ordered: list[int], orders: Rows, pieces: Rows) -> dict[int, Order]:
         cells = self.world.cells
-        return {i: read_order(i, orders[i], self.roster, pieces, cells) for i in ordered}
+        return {i: read_order(PieceIndex(i), orders[i], self.roster, pieces, cells) for i in ordered}
 
     def after_step(self, state: State, b: int) -> list[GameEvent]:
         """Look at game b after the step: what became of the orders, and what happened."""
@@ -93,7 +94,7 @@ class Recorder:
 
     def _reason(self, i: int) -> str:
         advisor = self._advisors[self.roster.camps[i]]
-        return advisor.explain(self._given[i], i, self._orders[i])
+        return advisor.explain(self._given[i], PieceIndex(i), self._orders[i])
 
     def _with_reason(self, event: GameEvent, reasons: dict[int, str]) -> GameEvent:
         if event.kind != "refused":

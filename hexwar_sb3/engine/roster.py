@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cached_property
 
 from hexwar_sb3.errors import ConfigError, OrderError, UnknownNameError
 from hexwar_sb3.maps.scenario import Scenario
 from hexwar_sb3.rules.enums import Camp
+from hexwar_sb3.rules.indices import CellIndex, PieceIndex
 
 SIDES = (Camp.RED, Camp.BLUE)
 
@@ -44,10 +46,10 @@ class Roster:
         self.camps = tuple(piece.camp for piece in scenario.pieces)
 
     @cached_property
-    def _index(self) -> dict[str, int]:
-        return {name: i for i, name in enumerate(self.names)}
+    def _index(self) -> dict[str, PieceIndex]:
+        return {name: PieceIndex(i) for i, name in enumerate(self.names)}
 
-    def index(self, name: str) -> int:
+    def index(self, name: str) -> PieceIndex:
         """Index of a piece by its full name, "blue:tank0".
 
         Raises:
@@ -57,11 +59,11 @@ class Roster:
             raise UnknownNameError("piece", name, self._index)
         return self._index[name]
 
-    def index_in(self, camp: int, name: str) -> int:
+    def index_in(self, camp: int, name: str) -> PieceIndex:
         """Index of a piece whose camp need not be named."""
         return self.index(name if ":" in name else f"{camp_name(camp)}:{name}")
 
-    def own_index(self, camp: int, name: str) -> int:
+    def own_index(self, camp: int, name: str) -> PieceIndex:
         """Index of a piece of this camp, "tank0" or "red:tank0".
 
         Raises:
@@ -72,10 +74,11 @@ class Roster:
             raise OrderError(f"{name} does not belong to {camp_name(camp)}")
         return i
 
-    def pieces_of(self, camp: int) -> range:
+    def pieces_of(self, camp: int) -> Sequence[PieceIndex]:
         """Indices of a camp's pieces."""
         n_red = self.camps.count(Camp.RED)
-        return range(n_red) if camp == Camp.RED else range(n_red, len(self.names))
+        span = range(n_red) if camp == Camp.RED else range(n_red, len(self.names))
+        return [PieceIndex(i) for i in span]
 
     def short(self, i: int) -> str:
         """Name within its camp: "tank0"."""
@@ -92,7 +95,7 @@ class Roster:
             raise UnknownNameError("control point", name, names)
         return names.index(name)
 
-    def cell(self, name: str) -> int:
+    def cell(self, name: str) -> CellIndex:
         """Cell by its four-digit name.
 
         Raises:

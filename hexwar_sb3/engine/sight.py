@@ -5,22 +5,25 @@ from __future__ import annotations
 import numpy as np
 
 from hexwar_sb3.engine.pieces import in_motion, next_cell_of, on_map
-from hexwar_sb3.engine.records import NO_CELL
-from hexwar_sb3.kernels import Row, Rows, kernel
+from hexwar_sb3.engine.records import NO_CELL, GameRecord, Memory, MemoryRecord, Paths, PieceRecord, Pieces
+from hexwar_sb3.kernels import Rows, kernel
+from hexwar_sb3.maps.cells import Cells, Sightlines
 from hexwar_sb3.maps.geometry import cells_apart
+from hexwar_sb3.rules.compiled import RulesRecord
 from hexwar_sb3.rules.enums import PieceType
+from hexwar_sb3.rules.indices import CampIndex, CellIndex, PieceIndex, camp_range, piece_range
 
 _ONE = np.uint32(1)
 
 
 @kernel
-def line_of_sight(los: Rows, airborne: int, a: int, b: int) -> bool:
+def line_of_sight(los: Sightlines, airborne: int, a: CellIndex, b: CellIndex) -> bool:
     """Bit of the matrix: airborne ends 0, 1 (then a is the airborne cell) or 2."""
     return (los[airborne, a, b >> 3] >> (b & 7)) & 1 == 1
 
 
 @kernel
-def has_line(observer: Row, kind: int, cell: int, los: Rows) -> bool:
+def has_line(observer: PieceRecord, kind: int, cell: CellIndex, los: Sightlines) -> bool:
     """Line of sight from a piece to a piece of some type in a cell."""
     if observer.kind == PieceType.AEROCRAFT:
         return line_of_sight(los, 2 if kind == PieceType.AEROCRAFT else 1, observer.cell, cell)
@@ -30,7 +33,7 @@ def has_line(observer: Row, kind: int, cell: int, los: Rows) -> bool:
 
 
 @kernel
-def sight_cells(observer: Row, target: Row, rules: Row, cells: Rows) -> int:
+def sight_cells(observer: PieceRecord, target: PieceRecord, rules: RulesRecord, cells: Cells) -> int:
     """Greatest distance at which the observer sees the target, line of sight given."""
     reach = int(rules.sight[observer.kind, target.kind])
     airborne = observer.kind == PieceType.AEROCRAFT
@@ -44,7 +47,9 @@ def sight_cells(observer: Row, target: Row, rules: Row, cells: Rows) -> int:
 
 
 @kernel
-def sees(observer: Row, target: Row, rules: Row, cells: Rows, los: Rows) -> bool:
+def sees(
+    observer: PieceRecord, target: PieceRecord, rules: RulesRecord, cells: Cells, los: Sightlines
+) -> bool:
     """Does one piece see one enemy piece?"""
     if not on_map(observer) or not on_map(target):
         return False
@@ -54,7 +59,9 @@ def sees(observer: Row, target: Row, rules: Row, cells: Rows, los: Rows) -> bool
 
 
 @kernel
-def look(i: int, j: int, pieces: Rows, rules: Row, cells: Rows, los: Rows) -> None:
+def look(
+    i: PieceIndex, j: PieceIndex, pieces: Pieces, rules: RulesRecord, cells: Cells, los: Sightlines
+) -> None:
     """Renew the bit "i sees j"."""
     bit = _ONE << np.uint32(j)
     if sees(pieces[i], pieces[j], rules, cells, los):
@@ -64,36 +71,38 @@ def look(i: int, j: int, pieces: Rows, rules: Row, cells: Rows, los: Rows) -> No
 
 
 @kernel
-def look_around(changed: np.uint32, pieces: Rows, rules: Row, cells: Rows, los: Rows) -> None:
+def look_around(
+    changed: np.uint32, pieces: Pieces, rules: RulesRecord, cells: Cells, los: Sightlines
+) -> None:
     """Renew row and column of every piece in the bit set `changed` (incremental visibility)."""
-    for i in range(pieces.size):
+    for i in piece_range(pieces.size):
         if (changed >> np.uint32(i)) & _ONE == 0:
             continue
-        for j in range(pieces.size):
+        for j in piece_range(pieces.size):
             if pieces[j].camp != pieces[i].camp:
                 look(i, j, pieces, rules, cells, los)
                 look(j, i, pieces, rules, cells, los)
 
 
 @kernel
-def look_all(pieces: Rows, rules: Row, cells: Rows, los: Rows) -> None:
+def look_all(pieces: Pieces, rules: RulesRecord, cells: Cells, los: Sightlines) -> None:
     """Renew every pair: the oracle of the incremental form, and the first look of a game."""
-    for i in range(pieces.size):
-        pieces[i].sees = 0
-        for j in range(pieces.size):
+    for i in piece_range(pieces.size):
+        pieces[i].sees = np.uint32(0)
+        for j in piece_range(pieces.size):
             if pieces[j].camp != pieces[i].camp:
                 look(i, j, pieces, rules, cells, los)
 
 
 @kernel
-def remember(game: Row, pieces: Rows, memory: Rows, paths: Rows, cells: Rows) -> None:
+def remember(game: GameRecord, pieces: Pieces, memory: Memory, paths: Paths, cells: Cells) -> None:
     """Bring both camps' memories up to the state of game.tick."""
-    for camp in range(2):
+    for camp in camp_range(2):
         union = np.uint32(0)
-        for i in range(pieces.size):
+        for i in piece_range(pieces.size):
             if pieces[i].camp == camp:
                 union |= np.uint32(pieces[i].sees)
-        for j in range(pieces.size):
+        for j in piece_range(pieces.size):
             if pieces[j].camp == camp:
                 continue
             lit = game.fog == 0 and on_map(pieces[j])
@@ -104,7 +113,9 @@ def remember(game: Row, pieces: Rows, memory: Rows, paths: Rows, cells: Rows) ->
 
 
 @kernel
-def _keep_seen(game: Row, camp: int, piece: Row, known: Row, path: Rows, cells: Rows) -> None:
+def _keep_seen(
+    game: GameRecord, camp: CampIndex, piece: PieceRecord, known: MemoryRecord, path: Rows, cells: Cells
+) -> None:
     if known.seen == 0:
         known.seen = 1
         known.tick = game.tick
@@ -122,7 +133,7 @@ def _keep_seen(game: Row, camp: int, piece: Row, known: Row, path: Rows, cells: 
 
 
 @kernel
-def _lose_sight(game: Row, piece: Row, known: Row) -> None:
+def _lose_sight(game: GameRecord, piece: PieceRecord, known: MemoryRecord) -> None:
     """Last seen in the state before this one; a death that was watched is known."""
     known.seen = 0
     known.next_cell = NO_CELL

@@ -37,15 +37,16 @@ from hexwar_sb3.engine.sight import look_all, remember
 from hexwar_sb3.engine.state import TIMERS, State, seed_game
 from hexwar_sb3.engine.world import World
 from hexwar_sb3.kernels import Rows
+from hexwar_sb3.records import fields_of
 from hexwar_sb3.rules.enums import Camp, HopClass, PieceType
 
 TABLES = {
-    "games": records.GAME_FIELDS,
-    "pieces": records.PIECE_FIELDS,
-    "memory": records.MEMORY_FIELDS,
-    "rounds": records.ROUND_FIELDS,
-    "orders": records.ORDER_FIELDS,
-    "log": records.LOG_FIELDS,
+    "games": fields_of(records.GameRecord),
+    "pieces": fields_of(records.PieceRecord),
+    "memory": fields_of(records.MemoryRecord),
+    "rounds": fields_of(records.RoundRecord),
+    "orders": fields_of(records.OrderRecord),
+    "log": fields_of(records.LogRecord),
 }
 _FIXED = (
     "end_tick",

@@ -19,6 +19,7 @@ from hexwar_sb3.engine.records import (
     PATH_CELLS,
     PIECE,
     ROUND,
+    GameRecord,
 )
 from hexwar_sb3.engine.sight import look_all, remember
 from hexwar_sb3.engine.world import World
@@ -83,11 +84,11 @@ def reset_game(state: State, b: int, world: World, seed: int) -> None:
 
 
 @kernel
-def seed_game(game: Row, seed: np.uint64) -> None:
+def seed_game(game: GameRecord, seed: np.uint64) -> None:
     """Set the seed and draw the two camps' salts from it."""
     game.seed = seed
-    game.salt[0] = splitmix64(seed ^ np.uint64(1))
-    game.salt[1] = splitmix64(seed ^ np.uint64(2))
+    game.salt[Camp.RED] = splitmix64(seed ^ np.uint64(1))
+    game.salt[Camp.BLUE] = splitmix64(seed ^ np.uint64(2))
 
 
 def _rows(shape: tuple[int, ...], dtype: np.dtype[np.void]) -> Rows:

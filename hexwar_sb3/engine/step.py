@@ -20,19 +20,35 @@ from hexwar_sb3.engine.fights import (
 from hexwar_sb3.engine.harm import apply_results
 from hexwar_sb3.engine.mortar import cancel_rounds, judge_entering, land_rounds
 from hexwar_sb3.engine.movement import arrive, start_hops
-from hexwar_sb3.engine.records import NEVER, NO_CELL, NO_PIECE, ROUND_BURSTING, ROUND_FLYING
+from hexwar_sb3.engine.records import (
+    NEVER,
+    NO_CELL,
+    NO_PIECE,
+    ROUND_BURSTING,
+    ROUND_FLYING,
+    GameRecord,
+    Log,
+    Memory,
+    Orders,
+    Paths,
+    Pieces,
+    Rounds,
+)
 from hexwar_sb3.engine.sight import look_around, remember
 from hexwar_sb3.engine.timers import end_timers
-from hexwar_sb3.kernels import Row, Rows, kernel
+from hexwar_sb3.kernels import kernel
+from hexwar_sb3.maps.cells import Cells, Sightlines
+from hexwar_sb3.rules.compiled import RulesRecord
 from hexwar_sb3.rules.enums import Action
+from hexwar_sb3.rules.indices import piece_range
 
 _ONE = np.uint32(1)
 
 
 @kernel
 def process(
-    game: Row, pieces: Rows, memory: Rows, paths: Rows, rounds: Rows, orders: Rows, log: Rows, rules: Row,
-    cells: Rows, los: Rows,
+    game: GameRecord, pieces: Pieces, memory: Memory, paths: Paths, rounds: Rounds, orders: Orders, log: Log, rules: RulesRecord,
+    cells: Cells, los: Sightlines,
 ) -> None:  # fmt: skip
     """Make the step of game.tick; orders are read, answered with a code, and cleared."""
     hidden_before = hidden_bits(pieces)
@@ -74,16 +90,16 @@ def process(
 
 
 @kernel
-def has_orders(orders: Rows) -> bool:
+def has_orders(orders: Orders) -> bool:
     """Is any order given?"""
-    for i in range(orders.size):
+    for i in piece_range(orders.size):
         if orders[i].kind != Action.NULL:
             return True
     return False
 
 
 @kernel
-def has_fights(game: Row) -> bool:
+def has_fights(game: GameRecord) -> bool:
     """Is there a close combat anywhere?"""
     for f in range(game.fight_cell.size):
         if game.fight_cell[f] != NO_CELL:
@@ -92,17 +108,17 @@ def has_fights(game: Row) -> bool:
 
 
 @kernel
-def hidden_bits(pieces: Rows) -> np.uint32:
+def hidden_bits(pieces: Pieces) -> np.uint32:
     """Bits of the pieces that are hidden or aboard: what changes their visibility in place."""
     bits = np.uint32(0)
-    for i in range(pieces.size):
+    for i in piece_range(pieces.size):
         if pieces[i].hidden or pieces[i].carrier != NO_PIECE:
             bits |= _ONE << np.uint32(i)
     return bits
 
 
 @kernel
-def set_tick(game: Row, tick: int, pieces: Rows) -> None:
+def set_tick(game: GameRecord, tick: int, pieces: Pieces) -> None:
     """Move the clock; the game ends at its last tick, or early where that is allowed."""
     game.tick = tick
     if tick >= game.end_tick or (game.early_end and is_wiped_out(pieces)):
@@ -110,20 +126,20 @@ def set_tick(game: Row, tick: int, pieces: Rows) -> None:
 
 
 @kernel
-def is_wiped_out(pieces: Rows) -> bool:
+def is_wiped_out(pieces: Pieces) -> bool:
     """Has one camp no piece left?"""
     alive = np.zeros(2, np.int64)
-    for i in range(pieces.size):
+    for i in piece_range(pieces.size):
         if pieces[i].blood > 0:
             alive[pieces[i].camp] += 1
     return alive[0] == 0 or alive[1] == 0
 
 
 @kernel
-def next_due(game: Row, pieces: Rows, rounds: Rows) -> int:
+def next_due(game: GameRecord, pieces: Pieces, rounds: Rounds) -> int:
     """The earliest step, at or after game.tick, in which something is due; NEVER: none."""
     end = NEVER
-    for i in range(pieces.size):
+    for i in piece_range(pieces.size):
         piece = pieces[i]
         if piece.blood == 0:
             continue
@@ -146,8 +162,8 @@ def next_due(game: Row, pieces: Rows, rounds: Rows) -> int:
 
 @kernel
 def advance(
-    until: int, game: Row, pieces: Rows, memory: Rows, paths: Rows, rounds: Rows, orders: Rows, log: Rows,
-    rules: Row, cells: Rows, los: Rows,
+    until: int, game: GameRecord, pieces: Pieces, memory: Memory, paths: Paths, rounds: Rounds, orders: Orders, log: Log,
+    rules: RulesRecord, cells: Cells, los: Sightlines,
 ) -> None:  # fmt: skip
     """Play to the state of tick `until` (or the end), jumping over steps in which nothing is due."""
     while game.tick < until and not game.over:
@@ -161,8 +177,8 @@ def advance(
 
 @kernel
 def advance_by_ticks(
-    until: int, game: Row, pieces: Rows, memory: Rows, paths: Rows, rounds: Rows, orders: Rows, log: Rows,
-    rules: Row, cells: Rows, los: Rows,
+    until: int, game: GameRecord, pieces: Pieces, memory: Memory, paths: Paths, rounds: Rounds, orders: Orders, log: Log,
+    rules: RulesRecord, cells: Cells, los: Sightlines,
 ) -> None:  # fmt: skip
     """The same, making every step: the oracle of `advance`."""
     while game.tick < until and not game.over:

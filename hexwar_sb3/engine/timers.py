@@ -7,19 +7,33 @@ import numpy as np
 from hexwar_sb3.engine.codes import Event
 from hexwar_sb3.engine.events import note
 from hexwar_sb3.engine.pieces import cancel_boarding, count_in
-from hexwar_sb3.engine.records import BOARD_OFF, BOARD_ON, NEVER, NO_PIECE, ROUND_BURSTING, ROUND_FREE
-from hexwar_sb3.kernels import Row, Rows, kernel
+from hexwar_sb3.engine.records import (
+    BOARD_OFF,
+    BOARD_ON,
+    NEVER,
+    NO_PIECE,
+    ROUND_BURSTING,
+    ROUND_FREE,
+    GameRecord,
+    Log,
+    PieceRecord,
+    Pieces,
+    Rounds,
+)
+from hexwar_sb3.kernels import kernel
+from hexwar_sb3.rules.compiled import RulesRecord
 from hexwar_sb3.rules.enums import PieceType
+from hexwar_sb3.rules.indices import PieceIndex, piece_range
 
 _ONE = np.uint32(1)
 
 
 @kernel
-def end_timers(game: Row, pieces: Rows, rounds: Rows, log: Rows, rules: Row) -> np.uint32:
+def end_timers(game: GameRecord, pieces: Pieces, rounds: Rounds, log: Log, rules: RulesRecord) -> np.uint32:
     """Timers that end with this step take effect; bits of the soldiers that got off."""
     now = game.tick + 1
     got_off = np.uint32(0)
-    for i in range(pieces.size):
+    for i in piece_range(pieces.size):
         piece = pieces[i]
         if piece.cool_ends <= now:
             piece.cool_ends = NEVER
@@ -46,7 +60,7 @@ def end_timers(game: Row, pieces: Rows, rounds: Rows, log: Rows, rules: Row) -> 
 
 
 @kernel
-def release(piece: Row) -> None:
+def release(piece: PieceRecord) -> None:
     """Suppression ends, by itself or by decompressing."""
     piece.suppressed = 0
     piece.keep_ends = NEVER
@@ -54,9 +68,9 @@ def release(piece: Row) -> None:
 
 
 @kernel
-def end_get_on(i: int, game: Row, pieces: Rows, log: Rows) -> None:
+def end_get_on(i: PieceIndex, game: GameRecord, pieces: Pieces, log: Log) -> None:
     """The soldier is aboard (called for whichever partner comes first)."""
-    partner = int(pieces[i].board_partner)
+    partner = PieceIndex(pieces[i].board_partner)
     soldier, chariot = (i, partner) if pieces[i].kind == PieceType.SOLDIER else (partner, i)
     cancel_boarding(i, pieces)
     pieces[soldier].carrier = chariot
@@ -65,9 +79,9 @@ def end_get_on(i: int, game: Row, pieces: Rows, log: Rows) -> None:
 
 
 @kernel
-def end_get_off(i: int, game: Row, pieces: Rows, log: Rows, rules: Row) -> np.uint32:
+def end_get_off(i: PieceIndex, game: GameRecord, pieces: Pieces, log: Log, rules: RulesRecord) -> np.uint32:
     """The soldier stands in the cell, or waits aboard where the cell filled up meanwhile."""
-    partner = int(pieces[i].board_partner)
+    partner = PieceIndex(pieces[i].board_partner)
     soldier, chariot = (i, partner) if pieces[i].carrier != NO_PIECE else (partner, i)
     cancel_boarding(i, pieces)
     cell = pieces[chariot].cell

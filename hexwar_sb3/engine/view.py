@@ -28,6 +28,7 @@ from hexwar_sb3.kernels import Row
 from hexwar_sb3.maps.hexmap import HexMap
 from hexwar_sb3.rules.compiled import NO_POOL
 from hexwar_sb3.rules.enums import Weapon
+from hexwar_sb3.rules.indices import CampIndex
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -205,7 +206,7 @@ class SideView:
         return pieces[name]
 
 
-def side_view(camp: int, state: State, b: int, world: World) -> SideView:
+def side_view(camp: CampIndex, state: State, b: int, world: World) -> SideView:
     """The view of a camp of game b."""
     return _Viewer(camp, state, b, world).view()
 
@@ -213,7 +214,7 @@ def side_view(camp: int, state: State, b: int, world: World) -> SideView:
 class _Viewer:
     """Reads one game for one camp."""
 
-    def __init__(self, camp: int, state: State, b: int, world: World) -> None:
+    def __init__(self, camp: CampIndex, state: State, b: int, world: World) -> None:
         self.camp, self.world = camp, world
         self.game, self.pieces, self.memory, self.paths, self.rounds, *_ = state.game(b)
         self.roster = Roster(world.scenario)

@@ -7,9 +7,6 @@ from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
 from typing import Any
 
-import numpy as np
-import numpy.typing as npt
-
 from hexwar_sb3.kernels import Rows
 from hexwar_sb3.maps.files import load_scenario
 from hexwar_sb3.maps.scenario import Scenario, ScenarioLike
@@ -46,12 +43,12 @@ class World:
         return self.terrain.cells
 
     @cached_property
-    def los(self) -> npt.NDArray[np.uint8]:
+    def los(self) -> Any:
         """Line-of-sight bits [airborne ends, a, b // 8]."""
         return self.terrain.los
 
     @cached_property
-    def eta(self) -> npt.NDArray[np.uint8]:
+    def eta(self) -> Any:
         """Travel times in base hops [hop class, target, cell]."""
         return self.terrain.eta
 

@@ -18,6 +18,7 @@ from hexwar_sb3.play.arena import Games, Snapshot
 from hexwar_sb3.players.fit import check_actions
 from hexwar_sb3.players.flat import flat_observation
 from hexwar_sb3.rules.enums import Camp
+from hexwar_sb3.rules.indices import CampIndex
 from hexwar_sb3.tasks.features import BOUND
 from hexwar_sb3.tasks.records import MAX_TASKS
 from hexwar_sb3.tasks.route import N_ANSWERS
@@ -119,7 +120,7 @@ class FlatGames(TaskGames):
         self.look(which)
         self.picked[which], self.answers[which] = 0, 0
         for b, tasks in self._show(which[self.demos[which]]).items():
-            self.picked[b], self.answers[b] = tasks, self.arena.name_moves(b, int(self.camps[b]))
+            self.picked[b], self.answers[b] = tasks, self.arena.name_moves(b, CampIndex(self.camps[b]))
         return self._pass_on(which, BEFORE_ALL)
 
     def _check_slots(self, snapshot: Snapshot, state: State, drives: Rows) -> None:

@@ -12,6 +12,7 @@ from hexwar_sb3.engine.score import known_margin
 from hexwar_sb3.maps.picture import draw_map, draw_points, draw_tokens
 from hexwar_sb3.play.arena import Arena
 from hexwar_sb3.rules.enums import Camp, PieceType
+from hexwar_sb3.rules.indices import CampIndex
 from hexwar_sb3.tasks.known import is_known
 
 _INCHES, _DPI = (8.0, 7.5), 80  # of a frame
@@ -30,7 +31,9 @@ def draw_position(arena: Arena, b: int, camp: int) -> NDArray[np.uint8]:
     draw_map(axes, hexmap)
     draw_points(axes, arena.world.scenario, [Camp(int(owner)) for owner in game.point_owner])
     draw_tokens(axes, hexmap, _tokens(arena, b, camp))
-    margin = known_margin(game, arena.state.pieces[b], arena.state.memory[b], camp, arena.world.rules[0])
+    margin = known_margin(
+        game, arena.state.pieces[b], arena.state.memory[b], CampIndex(camp), arena.world.rules[0]
+    )
     axes.set_title(f"tick {game.tick}, seen by {camp_name(Camp(camp))}, known margin {margin:+d}")
     canvas = FigureCanvasAgg(figure)
     canvas.draw()  # type: ignore[no-untyped-call]

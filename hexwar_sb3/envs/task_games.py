@@ -39,6 +39,7 @@ from hexwar_sb3.players.player import (
     same_player,
 )
 from hexwar_sb3.rules.enums import Camp
+from hexwar_sb3.rules.indices import CampIndex
 from hexwar_sb3.tasks.features import BOUND, index
 from hexwar_sb3.tasks.records import MAX_TASKS
 
@@ -206,7 +207,7 @@ class TaskGames:
         return {
             "margin": float(self.arena.margins(row, camps)[0]),
             "win": float(self.arena.wins(row, camps)[0]),
-            "points_held": self.arena.points_held(b, int(camps[0])),
+            "points_held": self.arena.points_held(b, CampIndex(camps[0])),
             "side": camp_name(int(camps[0])),
             "opponent": _label(self.rivals[b]),
         }
@@ -366,7 +367,7 @@ class TaskGames:
         self._advance(shown)
         periods[shown, camps] = self.settings.decision_ticks
         for b, camp in zip(shown, camps, strict=True):
-            named[int(b)] = self.arena.name_plans(int(b), int(camp), self.sight, int(b))
+            named[int(b)] = self.arena.name_plans(int(b), CampIndex(camp), self.sight, int(b))
         return named
 
     def _new_sight(self) -> Sight:

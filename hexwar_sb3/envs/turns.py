@@ -6,12 +6,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hexwar_sb3.engine.pieces import on_map
-from hexwar_sb3.engine.records import NO_PIECE
+from hexwar_sb3.engine.records import NO_PIECE, PieceRecord
 from hexwar_sb3.kernels import Row, Rows, kernel
 from hexwar_sb3.maps.geometry import cells_apart
 from hexwar_sb3.play.lower import asks
 from hexwar_sb3.tasks.choose import assign
-from hexwar_sb3.tasks.records import ENDED, TaskKind
+from hexwar_sb3.tasks.records import ENDED, PlanRecord, TaskKind
 from hexwar_sb3.tasks.route import has_way
 
 NO_FOCUS = -1
@@ -19,7 +19,7 @@ WANDER_CELLS = 40  # farthest goal of a walk to a random cell
 
 
 @kernel
-def may_go(piece: Row, plan: Row) -> bool:
+def may_go(piece: PieceRecord, plan: PlanRecord) -> bool:
     """The piece will ask for its way, sooner or later."""
     return on_map(piece) and plan.state != ENDED and asks(plan)
 

@@ -2,29 +2,37 @@
 
 from __future__ import annotations
 
-import numpy as np
+from typing import TypeAlias
+
+from hexwar_sb3.records import F4, I2, U1, Block, Table, Vector, dtype_of, of_shape
+from hexwar_sb3.rules.indices import CellIndex
 
 NO_HOP = 0  # hop_ticks: no way there
-NO_CELL = -1  # off the map or void
+NO_CELL = CellIndex(-1)  # off the map or void
 
-CELL = np.dtype(
-    [
-        ("neighbour", "i2", (6,)),  # W SW SE E NE NW; NO_CELL (-1): off the map or void
-        ("hop_ticks", "i2", (2, 6)),  # [HopClass, direction]; NO_HOP: none
-        ("mirror", "i2"),  # the mirror map of section 1
-        ("x", "i2"),
-        ("y", "i2"),
-        ("q", "i2"),  # cube coordinates
-        ("r", "i2"),
-        ("elev_m", "i2"),
-        ("level", "i2"),  # elev_m / grade
-        ("exposure", "f4"),  # share of the playable cells within 15 that see it, 0..1
-        ("playable", "u1"),
-        ("controllable", "u1"),
-        ("passable", "u1"),
-        ("paved", "u1"),
-        ("concealed", "u1"),
-        ("slushy", "u1"),
-    ],
-    align=True,
-)
+
+class CellRecord:
+    """What kernels read of a cell."""
+
+    neighbour: Vector[int, I2[CellIndex]] = of_shape(6)  # W SW SE E NE NW; NO_CELL (-1): off the map or void
+    hop_ticks: Table[int, int, I2[int]] = of_shape(2, 6)  # [HopClass, direction]; NO_HOP: none
+    mirror: I2[CellIndex]  # the mirror map of section 1
+    x: I2[int]
+    y: I2[int]
+    q: I2[int]  # cube coordinates
+    r: I2[int]
+    elev_m: I2[int]
+    level: I2[int]  # elev_m / grade
+    exposure: F4[float]  # share of the playable cells within 15 that see it, 0..1
+    playable: U1[int]
+    controllable: U1[int]
+    passable: U1[int]
+    paved: U1[int]
+    concealed: U1[int]
+    slushy: U1[int]
+
+
+CELL = dtype_of(CellRecord)
+Cells: TypeAlias = Vector[CellIndex, CellRecord]
+Sightlines: TypeAlias = Block[int]  # [airborne ends, a, b // 8] bits
+TravelTimes: TypeAlias = Block[int]  # [hop class, target, cell] base hops

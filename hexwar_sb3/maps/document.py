@@ -8,8 +8,9 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from hexwar_sb3.errors import ConfigError, FileFormatError, shortened
-from hexwar_sb3.maps.geometry import Cell, parse_cell
+from hexwar_sb3.maps.geometry import parse_cell
 from hexwar_sb3.reading import parse_json, read_bytes
+from hexwar_sb3.rules.indices import CellIndex
 
 MAX_FILE_BYTES = 2_000_000
 _SHOWN_CHARACTERS = 60  # of a wrong value, in a message
@@ -82,7 +83,7 @@ class Document:
             self.fail(self.at(key), shown(value), f"a whole number from {low} to {high}")
         return value
 
-    def cell(self, key: str, name: str, width: int, height: int) -> Cell:
+    def cell(self, key: str, name: str, width: int, height: int) -> CellIndex:
         """The cell of that name."""
         try:
             return parse_cell(name, width, height)

@@ -8,17 +8,17 @@ lattice. Users see a cell as four digits, column then row, counted from 1: "0912
 from __future__ import annotations
 
 import re
-from typing import NewType, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
 from hexwar_sb3.errors import ConfigError
-from hexwar_sb3.kernels import Rows, kernel
-from hexwar_sb3.maps.cells import NO_CELL
+from hexwar_sb3.kernels import kernel
+from hexwar_sb3.maps.cells import NO_CELL, Cells
 from hexwar_sb3.rules.enums import Camp
+from hexwar_sb3.rules.indices import CampIndex, CellIndex
 
-Cell = NewType("Cell", int)
 Ints: TypeAlias = npt.NDArray[np.int64]
 Bools: TypeAlias = npt.NDArray[np.bool_]
 
@@ -39,7 +39,7 @@ def cell_name(cell: int, width: int) -> str:
     return f"{x + 1:02d}{y + 1:02d}"
 
 
-def parse_cell(name: str, width: int, height: int) -> Cell:
+def parse_cell(name: str, width: int, height: int) -> CellIndex:
     """The cell that `cell_name` printed.
 
     Raises:
@@ -50,7 +50,7 @@ def parse_cell(name: str, width: int, height: int) -> Cell:
     x, y = int(name[:2]) - 1, int(name[2:]) - 1
     if not (0 <= y < height and 0 <= x < row_cells(y, width)):
         raise ConfigError(f"cell {name!r} is off the map: {_extent(width, height)}")
-    return Cell(y * width + x)
+    return CellIndex(y * width + x)
 
 
 def row_cells(y: int, width: int) -> int:
@@ -90,7 +90,7 @@ def neighbour_cells(width: int, height: int) -> Ints:
 
 
 @kernel
-def cells_apart(cells: Rows, a: int, b: int) -> int:
+def cells_apart(cells: Cells, a: CellIndex, b: CellIndex) -> int:
     """Distance of two cells, in cells."""
     dq = cells[a].q - cells[b].q
     dr = cells[a].r - cells[b].r
@@ -98,7 +98,7 @@ def cells_apart(cells: Rows, a: int, b: int) -> int:
 
 
 @kernel
-def direction_between(cells: Rows, a: int, b: int) -> int:
+def direction_between(cells: Cells, a: CellIndex, b: CellIndex) -> int:
     """Direction 0..5 of the neighbour b of a; NO_DIRECTION if b is no neighbour."""
     for d in range(6):
         if cells[a].neighbour[d] == b:
@@ -107,15 +107,15 @@ def direction_between(cells: Rows, a: int, b: int) -> int:
 
 
 @kernel
-def frame_cell(cells: Rows, cell: int, camp: int) -> int:
+def frame_cell(cells: Cells, cell: CellIndex, camp: CampIndex) -> CellIndex:
     """A cell between map frame and camp's frame, either way; blue's frame is the mirrored map."""
     if camp != Camp.BLUE or cell == NO_CELL:
         return cell
-    return int(cells[cell].mirror)
+    return CellIndex(cells[cell].mirror)
 
 
 @kernel
-def frame_direction(direction: int, camp: int) -> int:
+def frame_direction(direction: int, camp: CampIndex) -> int:
     """A direction between map frame and camp's frame, either way."""
     if camp != Camp.BLUE:
         return direction

@@ -14,12 +14,12 @@ from hexwar_sb3.maps.geometry import (
     MAX_SIDE_CELLS,
     MIN_SIDE_CELLS,
     Bools,
-    Cell,
     cell_name,
     mirror_cells,
     parse_cell,
     playable_mask,
 )
+from hexwar_sb3.rules.indices import CellIndex
 
 LAYERS = ("passable", "paved", "concealed", "slushy", "controllable")
 
@@ -96,7 +96,7 @@ class HexMap:
         """Four digits, column then row, counted from 1."""
         return cell_name(cell, self.width)
 
-    def parse_cell(self, name: str) -> Cell:
+    def parse_cell(self, name: str) -> CellIndex:
         """The cell of that name; ConfigError if this map has none."""
         return parse_cell(name, self.width, self.height)
 

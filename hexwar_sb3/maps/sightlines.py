@@ -11,9 +11,10 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from hexwar_sb3.kernels import Rows, kernel
-from hexwar_sb3.maps.cells import NO_CELL
+from hexwar_sb3.kernels import kernel
+from hexwar_sb3.maps.cells import NO_CELL, Cells
 from hexwar_sb3.maps.geometry import cells_apart
+from hexwar_sb3.rules.indices import camp_range, cell_range
 
 VOID_TOP_M = 1_000_000  # higher than any line of sight
 GROUND_GROUND, AIR_GROUND, AIR_AIR = 0, 1, 2  # first axis of `los`: number of airborne ends
@@ -52,7 +53,7 @@ def nearest(a: int, n: int, up: int) -> int:
 
 @kernel
 def build_los(
-    cells: Rows, width: int, height: int, range_cells: int, grade_m: int, air_height_m: int
+    cells: Cells, width: int, height: int, range_cells: int, grade_m: int, air_height_m: int
 ) -> npt.NDArray[np.uint8]:
     """Bit matrices of all lines of sight up to `range_cells` [airborne ends, a, b // 8].
 
@@ -70,13 +71,13 @@ def build_los(
 
 @kernel
 def axial_grids(
-    cells: Rows, width: int, height: int, grade_m: int
+    cells: Cells, width: int, height: int, grade_m: int
 ) -> tuple[npt.NDArray[np.int16], npt.NDArray[np.int32]]:
     """Cell index and height of its top in metres at [r, q + height // 2]; NO_CELL: void."""
     shape = (height, width + height // 2)
     grid = np.full(shape, NO_CELL, np.int16)
     top_m = np.full(shape, VOID_TOP_M, np.int32)
-    for c in range(cells.size):
+    for c in cell_range(cells.size):
         if cells[c].playable:
             r, q = cells[c].r, cells[c].q + height // 2
             grid[r, q] = c
@@ -86,7 +87,7 @@ def axial_grids(
 
 @kernel
 def look_along(
-    los: npt.NDArray[np.uint8], cells: Rows, grid: npt.NDArray[np.int16], top_m: npt.NDArray[np.int32],
+    los: npt.NDArray[np.uint8], cells: Cells, grid: npt.NDArray[np.int16], top_m: npt.NDArray[np.int32],
     dq: int, dr: int, grade_m: int, eye_m: npt.NDArray[np.int64],
 ) -> None:  # fmt: skip
     """Set the bits of every pair of cells that lie (dq, dr) apart; eye_m [airborne]."""
@@ -113,7 +114,7 @@ def lines_to(dq: int, dr: int) -> npt.NDArray[np.int64]:
     """Cells strictly between a cell and offset (dq, dr) [side, i, (q, r)], as offsets."""
     n = max(abs(dq), abs(dr), abs(dq + dr))
     lines = np.zeros((2, max(0, n - 1), 2), np.int64)
-    for side in range(2):
+    for side in camp_range(2):
         for i in range(1, n):
             lines[side, i - 1] = sample_step(dq, dr, i, side)
     return lines
@@ -138,7 +139,7 @@ def sees_along(
         a_m += grade_m
     elif b_m > a_m:
         b_m += grade_m
-    for side in range(2):
+    for side in camp_range(2):
         clear = True
         for i in range(1, n):
             step = lines[side, i - 1]
@@ -157,12 +158,12 @@ def set_bit(row_bits: npt.NDArray[np.uint8], a: int, b: int) -> None:
 
 
 @kernel
-def exposures(cells: Rows, los: npt.NDArray[np.uint8], range_cells: int) -> npt.NDArray[np.float32]:
+def exposures(cells: Cells, los: npt.NDArray[np.uint8], range_cells: int) -> npt.NDArray[np.float32]:
     """Share of the playable cells within `range_cells` that see each cell [NC], 0..1."""
     shares = np.zeros(cells.size, np.float32)
-    for a in range(cells.size):
+    for a in cell_range(cells.size):
         near = seen = 0
-        for b in range(cells.size):
+        for b in cell_range(cells.size):
             if a != b and cells[a].playable and cells[b].playable:
                 if cells_apart(cells, a, b) <= range_cells:
                     near += 1

@@ -68,7 +68,7 @@ class Terrain:
         return _kept(f"{self.hash}-cells", cells.CELL, shape, self._build_cells).view(np.recarray)
 
     @cached_property
-    def los(self) -> npt.NDArray[np.uint8]:
+    def los(self) -> Any:
         """Lines of sight within the longest range, as bits [airborne ends, a, b // 8], read-only."""
         n_cells = self.hexmap.n_cells
         shape = (_AIRBORNE_ENDS, n_cells, -(-n_cells // 8))
@@ -77,7 +77,7 @@ class Terrain:
         )
 
     @cached_property
-    def eta(self) -> npt.NDArray[np.uint8]:
+    def eta(self) -> Any:
         """Fastest travel times in base hops [HopClass, target, cell], read-only."""
         shape = (len(HopClass), self.hexmap.n_cells, self.hexmap.n_cells)
         return _kept(f"{self.hash}-eta", np.dtype(np.uint8), shape, self._build_eta)

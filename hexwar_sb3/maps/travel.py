@@ -5,11 +5,12 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from hexwar_sb3.kernels import Row, Rows, kernel
-from hexwar_sb3.maps.cells import NO_CELL, NO_HOP
+from hexwar_sb3.kernels import Row, kernel
+from hexwar_sb3.maps.cells import NO_CELL, NO_HOP, Cells
 from hexwar_sb3.maps.geometry import Ints, neighbour_cells
 from hexwar_sb3.maps.hexmap import HexMap
 from hexwar_sb3.rules.enums import HopClass, PieceType
+from hexwar_sb3.rules.indices import cell_range
 
 TOO_FAR = 255  # eta: unreachable, or more than 254 base hops
 
@@ -42,23 +43,23 @@ def _vehicle_units(hexmap: HexMap, to: Ints, climb_m: Ints, rules: Row) -> Ints:
 
 
 @kernel
-def travel_times(cells: Rows, base_hop: npt.NDArray[np.int64]) -> npt.NDArray[np.uint8]:
+def travel_times(cells: Cells, base_hop: npt.NDArray[np.int64]) -> npt.NDArray[np.uint8]:
     """Fastest travel times in base hops [HopClass, target, cell]; TOO_FAR: none."""
     eta = np.full((base_hop.size, cells.size, cells.size), TOO_FAR, np.uint8)
     for hop_class in range(base_hop.size):
         inward = inward_units(cells, hop_class, base_hop[hop_class])
         heap = np.zeros((inward.max() + 1, cells.size), np.int16)
-        for target in range(cells.size):
+        for target in cell_range(cells.size):
             if cells[target].passable:
                 spread_from(target, cells, inward, heap, eta[hop_class, target])
     return eta
 
 
 @kernel
-def inward_units(cells: Rows, hop_class: int, base_hop: int) -> npt.NDArray[np.int64]:
+def inward_units(cells: Cells, hop_class: int, base_hop: int) -> npt.NDArray[np.int64]:
     """Base hops from each neighbour into a cell [cell, direction of the neighbour]; 0: none."""
     units = np.zeros((cells.size, 6), np.int64)
-    for c in range(cells.size):
+    for c in cell_range(cells.size):
         for d in range(6):
             neighbour = cells[c].neighbour[d]
             if neighbour != NO_CELL:
@@ -70,7 +71,7 @@ def inward_units(cells: Rows, hop_class: int, base_hop: int) -> npt.NDArray[np.i
 @kernel
 def spread_from(
     target: int,
-    cells: Rows,
+    cells: Cells,
     inward: npt.NDArray[np.int64],
     buckets: npt.NDArray[np.int16],
     eta: npt.NDArray[np.uint8],

@@ -32,6 +32,7 @@ from hexwar_sb3.players.player import BotPlayer, Player, Seat, seat_name
 from hexwar_sb3.players.route_network import LOWER_NET
 from hexwar_sb3.players.terms import USUAL, Terms
 from hexwar_sb3.rules.enums import Camp
+from hexwar_sb3.rules.indices import CampIndex, camp_range
 from hexwar_sb3.tasks.choose import clear_plans, new_plans
 from hexwar_sb3.tasks.route import N_ANSWERS, new_route_buffers
 from hexwar_sb3.tasks.spots import load_spots
@@ -180,7 +181,7 @@ class Arena:
             return which[:0]
         asked: dict[Answerer, list[tuple[int, int]]] = {}
         for b in which[self.drives.waiting[which] != 0].tolist():
-            for camp in range(2):
+            for camp in camp_range(2):
                 if (b, camp) in self._answerers:
                     pairs = [(b, int(i)) for i in self.waiting(b, camp)]
                     asked.setdefault(self._answerers[b, camp], []).extend(pairs)
@@ -252,9 +253,9 @@ class Arena:
 
     def ask(self, which: Iterable[int]) -> None:
         """Let every seated `Player` whose turn it is in these games pick its tasks."""
-        turns: dict[tuple[int, int], list[int]] = {}
+        turns: dict[tuple[CampIndex, int], list[int]] = {}
         for b in which:
-            for camp in range(2):
+            for camp in camp_range(2):
                 player = self.players[b][camp]
                 if player is not None and self.drives[b].due[camp]:
                     turns.setdefault((camp, id(player)), []).append(b)
@@ -280,14 +281,14 @@ class Arena:
             self._sights[camp] = Sight(self.world, camp, self.n_games)
         return self._sights[camp]
 
-    def name_plans(self, b: int, camp: int, sight: Sight, slot: int) -> NDArray[np.int64]:
+    def name_plans(self, b: int, camp: CampIndex, sight: Sight, slot: int) -> NDArray[np.int64]:
         """Task indices [N] nearest to what camp is doing in game b, by what it saw in a slot."""
         tasks, mask = sight.rows[slot], sight.obs["action_mask"][slot]
         actions = np.zeros(len(tasks), np.int64)
         name_plans(camp, self.state.games[b], self.plans[b], tasks, mask, self.world.cells, actions)
         return actions
 
-    def name_moves(self, b: int, camp: int) -> NDArray[np.int64]:
+    def name_moves(self, b: int, camp: CampIndex) -> NDArray[np.int64]:
         """Answers [N] that lead the camp's pieces where their paths lead next in game b."""
         answers = np.zeros(len(self.world.piece_names(camp)), np.int64)
         name_moves(
@@ -319,7 +320,7 @@ class Arena:
         lead = np.sign(self.margins(which, camps) - self.margins(which, 1 - camps))
         return (lead + 1) / 2
 
-    def points_held(self, b: int, camp: int) -> int:
+    def points_held(self, b: int, camp: CampIndex) -> int:
         """Number of control points that a camp owns in game b."""
         return points_held(self.state.games[b], camp)
 

@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 from hexwar_sb3.engine.pieces import next_cell_of
-from hexwar_sb3.engine.records import NEVER, NO_CELL
-from hexwar_sb3.kernels import Row, Rows, kernel
+from hexwar_sb3.engine.records import NEVER, NO_CELL, GameRecord, Paths, Pieces
+from hexwar_sb3.kernels import Rows, kernel
+from hexwar_sb3.maps.cells import Cells
 from hexwar_sb3.maps.geometry import cells_apart, direction_between, frame_direction
+from hexwar_sb3.rules.indices import CampIndex, SlotIndex, piece_range
 from hexwar_sb3.tasks.known import end_piece, first_piece
+from hexwar_sb3.tasks.records import PlanRecord, Plans, Tasks, TaskSets
 from hexwar_sb3.tasks.route import STAY
 
 
 @kernel
 def name_plans(
-    camp: int, game: Row, plans: Rows, tasks: Rows, mask: Rows, cells: Rows, actions: Rows
+    camp: CampIndex, game: GameRecord, plans: Plans, tasks: TaskSets, mask: Rows, cells: Cells, actions: Rows
 ) -> None:
     """Write the task index that comes nearest to each plan of a camp.
 
@@ -22,12 +25,14 @@ def name_plans(
         actions: out, [N].
     """
     first = first_piece(camp, game)
-    for i in range(first, end_piece(camp, game)):
-        actions[i - first] = nearest_task(plans[i], tasks[i - first], mask[i - first], cells)
+    for i in piece_range(first, end_piece(camp, game)):
+        actions[SlotIndex(i - first)] = nearest_task(
+            plans[i], tasks[SlotIndex(i - first)], mask[SlotIndex(i - first)], cells
+        )
 
 
 @kernel
-def nearest_task(plan: Row, tasks: Rows, mask: Rows, cells: Rows) -> int:
+def nearest_task(plan: PlanRecord, tasks: Tasks, mask: Rows, cells: Cells) -> int:
     """Valid row of the plan's kind and target with the nearest cell; 0, stop, if there is none."""
     best, best_apart = 0, NEVER
     for k in range(tasks.size):
@@ -43,7 +48,9 @@ def nearest_task(plan: Row, tasks: Rows, mask: Rows, cells: Rows) -> int:
 
 
 @kernel
-def name_moves(camp: int, game: Row, pieces: Rows, paths: Rows, cells: Rows, answers: Rows) -> None:
+def name_moves(
+    camp: CampIndex, game: GameRecord, pieces: Pieces, paths: Paths, cells: Cells, answers: Rows
+) -> None:
     """Write the answer of the lower level that leads each piece of a camp where its path leads next.
 
     Args:
@@ -52,9 +59,11 @@ def name_moves(camp: int, game: Row, pieces: Rows, paths: Rows, cells: Rows, ans
         answers: out, [N]; staying without a path.
     """
     first = first_piece(camp, game)
-    for i in range(first, end_piece(camp, game)):
+    for i in piece_range(first, end_piece(camp, game)):
         there = next_cell_of(pieces[i], paths[i], cells)
         if there == NO_CELL:
-            answers[i - first] = STAY
+            answers[SlotIndex(i - first)] = STAY
         else:
-            answers[i - first] = 1 + frame_direction(direction_between(cells, pieces[i].cell, there), camp)
+            answers[SlotIndex(i - first)] = 1 + frame_direction(
+                direction_between(cells, pieces[i].cell, there), camp
+            )

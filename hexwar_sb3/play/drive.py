@@ -7,30 +7,35 @@ so a game is the same game at every chunk size (architecture.md, section 2).
 from __future__ import annotations
 
 from hexwar_sb3.bots.act import bot_act, next_thought
+from hexwar_sb3.bots.records import AtlasRecord
 from hexwar_sb3.engine.codes import Code
+from hexwar_sb3.engine.records import GameRecord, Log, Memory, Orders, Paths, Pieces, Rounds
 from hexwar_sb3.engine.step import has_orders, next_due, process, set_tick
-from hexwar_sb3.kernels import Row, Rows, kernel
+from hexwar_sb3.kernels import Rows, kernel
+from hexwar_sb3.maps.cells import Cells, Sightlines, TravelTimes
 from hexwar_sb3.play.fingerprint import has_news
 from hexwar_sb3.play.lower import HEURISTIC, answer_pieces
-from hexwar_sb3.play.records import EARLY_TICKS, EXTERNAL, JUMPED, STEPS, WAITS
-from hexwar_sb3.rules.enums import Action
+from hexwar_sb3.play.records import EARLY_TICKS, EXTERNAL, JUMPED, STEPS, WAITS, DriveRecord
+from hexwar_sb3.rules.compiled import RulesRecord
+from hexwar_sb3.rules.enums import Action, Camp
+from hexwar_sb3.rules.indices import CampIndex, camp_range, piece_range
 from hexwar_sb3.tasks.execute import execute_tasks
 from hexwar_sb3.tasks.known import end_piece, first_piece
-from hexwar_sb3.tasks.records import ENDED, TaskKind
+from hexwar_sb3.tasks.records import ENDED, Plans, TaskKind
 
 
 @kernel
-def ended_tasks(camp: int, game: Row, plans: Rows) -> int:
+def ended_tasks(camp: CampIndex, game: GameRecord, plans: Plans) -> int:
     """Mask of the camp's pieces whose task is done or impossible; a stop never counts."""
     mask = 0
-    for i in range(first_piece(camp, game), end_piece(camp, game)):
+    for i in piece_range(first_piece(camp, game), end_piece(camp, game)):
         if plans[i].state == ENDED and plans[i].kind != TaskKind.STOP:
             mask |= 1 << i
     return mask
 
 
 @kernel
-def wants_decision(camp: int, drive: Row, game: Row, plans: Rows) -> bool:
+def wants_decision(camp: CampIndex, drive: DriveRecord, game: GameRecord, plans: Plans) -> bool:
     """Whether an own loss or an ended task calls the camp before its next regular decision.
 
     An ended task calls once: it stays marked in `drive.ended` until the piece has another one.
@@ -42,24 +47,24 @@ def wants_decision(camp: int, drive: Row, game: Row, plans: Rows) -> bool:
 
 
 @kernel
-def note_given(drive: Row, game: Row, orders: Rows) -> None:
+def note_given(drive: DriveRecord, game: GameRecord, orders: Orders) -> None:
     """Remember the orders of this step: the engine clears them."""
-    for i in range(game.n_pieces):
+    for i in piece_range(game.n_pieces):
         drive.given[i] = orders[i].kind
 
 
 @kernel
-def count_done(drive: Row, game: Row, pieces: Rows, orders: Rows) -> None:
+def count_done(drive: DriveRecord, game: GameRecord, pieces: Pieces, orders: Orders) -> None:
     """Add the orders that the step carried out to `drive.actions`."""
-    for i in range(game.n_pieces):
+    for i in piece_range(game.n_pieces):
         if drive.given[i] != Action.NULL and orders[i].code == Code.OK:
             drive.actions[pieces[i].camp, drive.given[i]] += 1
 
 
 @kernel
 def act(
-    drive: Row, game: Row, pieces: Rows, memory: Rows, paths: Rows, rounds: Rows, orders: Rows,
-    plans: Rows, brains: Rows, rules: Row, cells: Rows, los: Rows, eta: Rows, atlas: Row, nets: Rows,
+    drive: DriveRecord, game: GameRecord, pieces: Pieces, memory: Memory, paths: Paths, rounds: Rounds, orders: Orders,
+    plans: Plans, brains: Rows, rules: RulesRecord, cells: Cells, los: Sightlines, eta: TravelTimes, atlas: AtlasRecord, nets: Rows,
 ) -> bool:  # fmt: skip
     """Let the camps whose turn it is fill `orders`: bots think first, then tasks become orders.
 
@@ -68,7 +73,7 @@ def act(
     Returns:
         False if a piece waits for an answer from outside: the loop stops, and comes back to this very state.
     """
-    for camp in range(2):
+    for camp in camp_range(2):
         stepped = game.tick == drive.stepped_at
         news = stepped and has_news(camp, drive, game, pieces, memory, rounds)
         if not news and not drive.fresh[camp] and game.tick < drive.wake_at[camp]:
@@ -91,42 +96,42 @@ def act(
 
 
 @kernel
-def jump(until: int, drive: Row, game: Row, pieces: Rows, rounds: Rows) -> bool:
+def jump(until: int, drive: DriveRecord, game: GameRecord, pieces: Pieces, rounds: Rounds) -> bool:
     """Without orders: set the clock to the next step that must run, at most to `until`.
 
     Returns:
         True if the clock moved (to that step, to `until`, or to a tick at which a bot wakes).
     """
-    target = min(next_due(game, pieces, rounds), until, drive.wake_at[0], drive.wake_at[1])
+    target = min(next_due(game, pieces, rounds), until, drive.wake_at[Camp.RED], drive.wake_at[Camp.BLUE])
     moved = target > game.tick
     set_tick(game, target, pieces)
     return moved
 
 
 @kernel
-def next_decision(drive: Row, game: Row) -> int:
+def next_decision(drive: DriveRecord, game: GameRecord) -> int:
     """Tick of the next regular decision of an asked camp; the end of the game without one."""
     tick = int(game.end_tick)
-    for camp in range(2):
+    for camp in camp_range(2):
         if drive.asked[camp]:
             tick = min(tick, (game.tick // drive.period[camp] + 1) * drive.period[camp])
     return tick
 
 
 @kernel
-def note_due(drive: Row, game: Row, plans: Rows) -> bool:
+def note_due(drive: DriveRecord, game: GameRecord, plans: Plans) -> bool:
     """Mark the asked camps that are to decide in this state; True if there is one."""
-    for camp in range(2):
+    for camp in camp_range(2):
         regular = game.tick % drive.period[camp] == 0
         wanted = regular or wants_decision(camp, drive, game, plans)
         drive.due[camp] = game.over == 0 and drive.asked[camp] == 1 and wanted
-    return drive.due[0] == 1 or drive.due[1] == 1
+    return drive.due[Camp.RED] == 1 or drive.due[Camp.BLUE] == 1
 
 
 @kernel
 def take_turn(
-    until: int, drive: Row, game: Row, pieces: Rows, memory: Rows, paths: Rows, rounds: Rows, orders: Rows,
-    plans: Rows, brains: Rows, rules: Row, cells: Rows, los: Rows, eta: Rows, atlas: Row, nets: Rows,
+    until: int, drive: DriveRecord, game: GameRecord, pieces: Pieces, memory: Memory, paths: Paths, rounds: Rounds, orders: Orders,
+    plans: Plans, brains: Rows, rules: RulesRecord, cells: Cells, los: Sightlines, eta: TravelTimes, atlas: AtlasRecord, nets: Rows,
 ) -> int:  # fmt: skip
     """Let the camps act; STEPS if a step is to be made, JUMPED if the clock moved (at most to `until`), or WAITS."""
     if not act(
@@ -139,8 +144,8 @@ def take_turn(
 
 @kernel
 def make_step(
-    drive: Row, game: Row, pieces: Rows, memory: Rows, paths: Rows, rounds: Rows, orders: Rows, log: Rows,
-    rules: Row, cells: Rows, los: Rows,
+    drive: DriveRecord, game: GameRecord, pieces: Pieces, memory: Memory, paths: Paths, rounds: Rounds, orders: Orders, log: Log,
+    rules: RulesRecord, cells: Cells, los: Sightlines,
 ) -> None:  # fmt: skip
     """Make one step of the engine and count what was carried out."""
     note_given(drive, game, orders)
@@ -151,8 +156,8 @@ def make_step(
 
 @kernel
 def advance_game(
-    drive: Row, game: Row, pieces: Rows, memory: Rows, paths: Rows, rounds: Rows, orders: Rows, log: Rows,
-    plans: Rows, brains: Rows, rules: Row, cells: Rows, los: Rows, eta: Rows, atlas: Row, nets: Rows,
+    drive: DriveRecord, game: GameRecord, pieces: Pieces, memory: Memory, paths: Paths, rounds: Rounds, orders: Orders, log: Log,
+    plans: Plans, brains: Rows, rules: RulesRecord, cells: Cells, los: Sightlines, eta: TravelTimes, atlas: AtlasRecord, nets: Rows,
 ) -> None:  # fmt: skip
     """Play one game until an asked camp is to decide, a piece waits for an answer, or the end."""
     until = next_decision(drive, game)

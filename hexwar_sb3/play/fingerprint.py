@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from hexwar_sb3.kernels import Row, Rows, kernel
+from hexwar_sb3.engine.records import GameRecord, Memory, MemoryRecord, PieceRecord, Pieces, Rounds
+from hexwar_sb3.kernels import kernel
+from hexwar_sb3.play.records import DriveRecord
+from hexwar_sb3.rules.indices import CampIndex, CellIndex, PieceIndex, piece_range, point_range
 from hexwar_sb3.tasks.known import end_piece, first_piece
 
 _BITS = (1 << 62) - 1
@@ -11,7 +14,9 @@ _KEYS = tuple(pow(_STRIDE, k, _BITS + 1) for k in range(1, 16))
 
 
 @kernel
-def has_news(camp: int, drive: Row, game: Row, pieces: Rows, memory: Rows, rounds: Rows) -> bool:
+def has_news(
+    camp: CampIndex, drive: DriveRecord, game: GameRecord, pieces: Pieces, memory: Memory, rounds: Rounds
+) -> bool:
     """Something that the camp knows has changed since it was last asked; remembers the present."""
     known = fingerprint(camp, game, pieces, memory, rounds)
     changed = known != drive.known[camp]
@@ -20,14 +25,14 @@ def has_news(camp: int, drive: Row, game: Row, pieces: Rows, memory: Rows, round
 
 
 @kernel
-def fingerprint(camp: int, game: Row, pieces: Rows, memory: Rows, rounds: Rows) -> int:
+def fingerprint(camp: CampIndex, game: GameRecord, pieces: Pieces, memory: Memory, rounds: Rounds) -> int:
     """A number for all that the camp's orders may depend on, the clock apart."""
     known = 1
-    for i in range(first_piece(camp, game), end_piece(camp, game)):
+    for i in piece_range(first_piece(camp, game), end_piece(camp, game)):
         known = fold(known, own_key(pieces[i]))
-    for j in range(first_piece(1 - camp, game), end_piece(1 - camp, game)):
+    for j in piece_range(first_piece(CampIndex(1 - camp), game), end_piece(CampIndex(1 - camp), game)):
         known = fold(known, enemy_key(memory[camp, j]))
-    for k in range(game.n_points):
+    for k in point_range(game.n_points):
         known = fold(known, int(game.point_owner[k]))
     for r in range(rounds.size):
         if pieces[rounds[r].owner].camp == camp:
@@ -42,7 +47,7 @@ def fold(known: int, key: int) -> int:
 
 
 @kernel
-def own_key(piece: Row) -> int:
+def own_key(piece: PieceRecord) -> int:
     """A number for an own piece: place, movement, timers, health, sight."""
     timers = (
         int(piece.arrives_at) * _KEYS[0] + int(piece.stop_ends) * _KEYS[1] + int(piece.hide_ends) * _KEYS[2]
@@ -55,13 +60,13 @@ def own_key(piece: Row) -> int:
     flags = (
         int(piece.hidden) + 2 * int(piece.suppressed) + 4 * int(piece.waiting) + 8 * int(piece.stop_pending)
     )
-    health = int(piece.blood) * _KEYS[10] + flags * _KEYS[11] + int(piece.carrier) * _KEYS[12]
-    return (timers + path + health + int(piece.cell) * _KEYS[13] + int(piece.sees) * _KEYS[14]) & _BITS
+    health = int(piece.blood) * _KEYS[10] + flags * _KEYS[11] + PieceIndex(piece.carrier) * _KEYS[12]
+    return (timers + path + health + CellIndex(piece.cell) * _KEYS[13] + int(piece.sees) * _KEYS[14]) & _BITS
 
 
 @kernel
-def enemy_key(enemy: Row) -> int:
+def enemy_key(enemy: MemoryRecord) -> int:
     """A number for what is remembered of an enemy, but for the ticks."""
     flags = int(enemy.hidden) + 2 * int(enemy.suppressed) + 4 * int(enemy.moving) + 8 * int(enemy.seen)
-    place = int(enemy.cell) * _KEYS[0] + int(enemy.next_cell) * _KEYS[1]
+    place = CellIndex(enemy.cell) * _KEYS[0] + CellIndex(enemy.next_cell) * _KEYS[1]
     return (place + int(enemy.blood) * _KEYS[2] + flags * _KEYS[3]) & _BITS

@@ -9,29 +9,33 @@ from __future__ import annotations
 import numpy as np
 
 from hexwar_sb3.engine.pieces import hop_from
-from hexwar_sb3.engine.records import NO_CELL
+from hexwar_sb3.engine.records import NO_CELL, GameRecord, Memory, PieceRecord, Pieces
 from hexwar_sb3.kernels import Row, Rows, kernel
+from hexwar_sb3.maps.cells import Cells, Sightlines, TravelTimes
 from hexwar_sb3.maps.geometry import frame_direction
+from hexwar_sb3.play.records import DriveRecord
 from hexwar_sb3.players.route_network import best_answer, route_values
+from hexwar_sb3.rules.compiled import RulesRecord
+from hexwar_sb3.rules.indices import CampIndex, PieceIndex, piece_range
 from hexwar_sb3.tasks.execute import needs_answer
 from hexwar_sb3.tasks.features import ROUTE_WIDTH
 from hexwar_sb3.tasks.heuristic import right_place
 from hexwar_sb3.tasks.known import end_piece, first_piece
 from hexwar_sb3.tasks.progress import can_end, end_task
-from hexwar_sb3.tasks.records import STAYING, WALKING, TaskKind
+from hexwar_sb3.tasks.records import STAYING, WALKING, PlanRecord, Plans, TaskKind
 from hexwar_sb3.tasks.route import N_ANSWERS, STAY, has_way, observe_route
 
 HEURISTIC, KEPT = 0, -1  # drive.lower; k > 0 is network k - 1
 
 
 @kernel
-def asks(plan: Row) -> bool:
+def asks(plan: PlanRecord) -> bool:
     """Kinds of tasks for which a piece may have to go somewhere."""
     return plan.kind != TaskKind.STOP and plan.kind != TaskKind.RECOVER
 
 
 @kernel
-def note_answer(answer: int, piece: Row, plan: Row, tick: int) -> None:
+def note_answer(answer: int, piece: PieceRecord, plan: PlanRecord, tick: int) -> None:
     """Keep an answer, 0 or a direction in the camp's frame + 1, until the next cell or decision."""
     plan.asked_at = tick
     plan.direction = STAY if answer == STAY else 1 + frame_direction(answer - 1, piece.camp)
@@ -39,7 +43,9 @@ def note_answer(answer: int, piece: Row, plan: Row, tick: int) -> None:
 
 
 @kernel
-def ask_network(piece: Row, plan: Row, net: Row, rules: Row, cells: Rows, eta: Rows) -> int:
+def ask_network(
+    piece: PieceRecord, plan: PlanRecord, net: Row, rules: RulesRecord, cells: Cells, eta: TravelTimes
+) -> int:
     """The network's answer for a piece on its way to `plan.goal`."""
     state, mask = np.zeros(ROUTE_WIDTH, np.float32), np.zeros(N_ANSWERS, np.int8)
     observe_route(
@@ -61,7 +67,9 @@ def ask_network(piece: Row, plan: Row, net: Row, rules: Row, cells: Rows, eta: R
 
 
 @kernel
-def kept_answer(i: int, drive: Row, piece: Row, rules: Row, cells: Rows) -> int:
+def kept_answer(
+    i: PieceIndex, drive: DriveRecord, piece: PieceRecord, rules: RulesRecord, cells: Cells
+) -> int:
     """The direction that the piece was told to keep; staying once it cannot go on."""
     answer = int(drive.kept[i])
     if answer != STAY:
@@ -73,8 +81,8 @@ def kept_answer(i: int, drive: Row, piece: Row, rules: Row, cells: Rows) -> int:
 
 @kernel
 def answer_piece(
-    i: int, drive: Row, game: Row, pieces: Rows, memory: Rows, plans: Rows, rules: Row, cells: Rows, los: Rows,
-    eta: Rows, nets: Rows,
+    i: PieceIndex, drive: DriveRecord, game: GameRecord, pieces: Pieces, memory: Memory, plans: Plans, rules: RulesRecord, cells: Cells, los: Sightlines,
+    eta: TravelTimes, nets: Rows,
 ) -> None:  # fmt: skip
     """Answer for piece i, or mark it as waiting for somebody outside."""
     piece, plan = pieces[i], plans[i]
@@ -92,12 +100,12 @@ def answer_piece(
 
 @kernel
 def answer_pieces(
-    camp: int, drive: Row, game: Row, pieces: Rows, memory: Rows, plans: Rows, rules: Row, cells: Rows, los: Rows,
-    eta: Rows, nets: Rows,
+    camp: CampIndex, drive: DriveRecord, game: GameRecord, pieces: Pieces, memory: Memory, plans: Plans, rules: RulesRecord, cells: Cells, los: Sightlines,
+    eta: TravelTimes, nets: Rows,
 ) -> bool:  # fmt: skip
     """Answer for the camp's pieces that ask, where it is not the heuristic that does; False: somebody waits."""
-    drive.waiting = 0
-    for i in range(first_piece(camp, game), end_piece(camp, game)):
+    drive.waiting = np.uint32(0)
+    for i in piece_range(first_piece(camp, game), end_piece(camp, game)):
         if drive.lower[camp] == HEURISTIC and (drive.outside >> i) & 1 == 0:
             continue
         if can_end(pieces[i], plans[i]):

@@ -7,15 +7,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hexwar_sb3.engine.records import NEVER
+from hexwar_sb3.engine.records import NEVER, GameRecord, PieceRecord
 from hexwar_sb3.engine.world import World
-from hexwar_sb3.kernels import Row, Rows, kernel
-from hexwar_sb3.maps.cells import NO_CELL
+from hexwar_sb3.kernels import Rows, kernel
+from hexwar_sb3.maps.cells import NO_CELL, Cells
 from hexwar_sb3.play.drive import ended_tasks
+from hexwar_sb3.play.records import DriveRecord
+from hexwar_sb3.rules.indices import CampIndex, CellIndex
 from hexwar_sb3.tasks.choose import choose_tasks
 from hexwar_sb3.tasks.features import camp_sizes
 from hexwar_sb3.tasks.observe import global_state, observe
-from hexwar_sb3.tasks.records import MAX_TASKS, TASK
+from hexwar_sb3.tasks.records import MAX_TASKS, TASK, PlanRecord, Plans
 from hexwar_sb3.tasks.route import STAY, observe_route
 from hexwar_sb3.tasks.sets import list_tasks
 
@@ -121,12 +123,12 @@ def count_illegal(actions: Rows, mask: Rows) -> int:
 
 
 @kernel
-def note_decision(camp: int, drive: Row, game: Row, plans: Rows) -> None:
+def note_decision(camp: CampIndex, drive: DriveRecord, game: GameRecord, plans: Plans) -> None:
     """A camp has decided: it acts in this very state, and starts to wait for its next cause."""
     drive.due[camp] = 0
     drive.fresh[camp] = 1
     drive.decided_at[camp] = game.tick
-    drive.ended[camp] = ended_tasks(camp, game, plans)
+    drive.ended[camp] = np.uint32(ended_tasks(camp, game, plans))
 
 
 @kernel
@@ -153,8 +155,8 @@ def observe_routes(
 
 
 @kernel
-def heading(piece: Row, plan: Row, cells: Rows) -> int:
+def heading(piece: PieceRecord, plan: PlanRecord, cells: Cells) -> CellIndex:
     """The cell that a piece is about to enter, by its last answer; else the one where it stands."""
     if piece.arrives_at == NEVER or plan.direction == STAY:
-        return int(piece.cell)
-    return int(cells[piece.cell].neighbour[plan.direction - 1])
+        return CellIndex(piece.cell)
+    return CellIndex(cells[piece.cell].neighbour[plan.direction - 1])

@@ -7,6 +7,7 @@ import numpy as np
 from hexwar_sb3.bots.config import CONFIG, STYLE
 from hexwar_sb3.bots.draw import draw_player
 from hexwar_sb3.bots.drawn_records import CHARACTER
+from hexwar_sb3.bots.records import BrainRecord
 from hexwar_sb3.bots.registry import BOTS, FAMILIES
 from hexwar_sb3.engine.codes import Code
 from hexwar_sb3.engine.fields import Bounds, check_all, check_range, check_rows, refuse
@@ -18,9 +19,11 @@ from hexwar_sb3.engine.world import World
 from hexwar_sb3.kernels import Rows
 from hexwar_sb3.play.fingerprint import fingerprint
 from hexwar_sb3.play.lower import HEURISTIC
-from hexwar_sb3.play.records import BRAIN_FIELDS, DRIVE_FIELDS, EXTERNAL
+from hexwar_sb3.play.records import EXTERNAL, DriveRecord
+from hexwar_sb3.records import fields_of
 from hexwar_sb3.rules.enums import Action, Camp, PieceType
-from hexwar_sb3.tasks.records import PLAN_FIELDS, WALKING, TaskKind
+from hexwar_sb3.rules.indices import CampIndex, PieceIndex, camp_range
+from hexwar_sb3.tasks.records import WALKING, PlanRecord, TaskKind
 
 _AT_CELL = (TaskKind.HOLD, TaskKind.HIDE, TaskKind.DROP)
 _AT_ENEMY = (TaskKind.ATTACK, TaskKind.GUIDE, TaskKind.BOMBARD, TaskKind.SHADOW)
@@ -46,7 +49,7 @@ def check_play(world: World, state: State, plans: Rows, brains: Rows, drives: Ro
 
 
 def _check_plans(world: World, state: State, plans: Rows, bounds: Bounds) -> None:
-    check_rows("plans", plans, PLAN_FIELDS, bounds)
+    check_rows("plans", plans, fields_of(PlanRecord), bounds)
     pieces, cells = state.pieces, world.cells
     target = pieces[np.arange(len(plans))[:, None], plans.target]
     named = plans.target != NO_PIECE
@@ -70,7 +73,7 @@ def _check_plans(world: World, state: State, plans: Rows, bounds: Bounds) -> Non
 
 
 def _check_brains(world: World, brains: Rows, bounds: Bounds) -> None:
-    check_rows("brains", brains, BRAIN_FIELDS, bounds)
+    check_rows("brains", brains, [one for one in fields_of(BrainRecord) if one.name != "drawn"], bounds)
     for camp in (Camp.RED, Camp.BLUE):
         own, enemy, brain = world.side(camp), world.side(1 - camp), brains[:, camp]
         n_own = own.stop - own.start
@@ -98,7 +101,7 @@ def _check_drawn(state: State, brains: Rows, drives: Rows) -> None:
     again = np.zeros(found.shape, CHARACTER)
     again["member"] = found["member"]
     for b, camp in np.argwhere(of_family & (brains.thoughts > 0)).tolist():
-        draw_player(drives.seat[b, camp], camp, state.games[b], state.pieces[b], again[b, camp])
+        draw_player(drives.seat[b, camp], CampIndex(camp), state.games[b], state.pieces[b], again[b, camp])
     for name in [name for name in CHARACTER.names or () if name != "style"]:
         check_all(f"brains.drawn.{name}", found[name] == again[name], found[name], "what the game draws")
     for name in STYLE.names or ():
@@ -107,7 +110,7 @@ def _check_drawn(state: State, brains: Rows, drives: Rows) -> None:
 
 
 def _check_drives(world: World, state: State, drives: Rows, bounds: Bounds) -> None:
-    check_rows("drives", drives, DRIVE_FIELDS, bounds)
+    check_rows("drives", drives, fields_of(DriveRecord), bounds)
     outside = drives.seat == EXTERNAL
     check_all("drives.asked", ~outside | (drives.asked == 1), drives.asked, "1 where no bot sits")
     check_all("drives.due", (drives.due == 0) | (drives.asked == 1), drives.due, "0 where nobody is asked")
@@ -129,7 +132,7 @@ def _check_drives(world: World, state: State, drives: Rows, bounds: Bounds) -> N
         if drives.stepped_at[b] < game.tick:
             known = [
                 fingerprint(camp, game, state.pieces[b], state.memory[b], state.rounds[b])
-                for camp in range(2)
+                for camp in camp_range(2)
             ]
             check_all("drives.known", drives.known[b] == known, drives.known[b], "what the camp knows")
 
@@ -138,6 +141,6 @@ def _check_orders(world: World, state: State) -> None:
     """An order that lies there, because a piece of the other camp waits, is legal now."""
     rules, cells = world.rules[0], world.cells
     for b, i in np.argwhere(state.orders.kind != Action.NULL).tolist():
-        code = order_code(i, state.orders[b, i], state.games[b], state.pieces[b], rules, cells)
+        code = order_code(PieceIndex(i), state.orders[b, i], state.games[b], state.pieces[b], rules, cells)
         if code != Code.OK:
             refuse("orders.kind", f"{state.orders.kind[b, i]} at [{b}, {i}]", "a legal order")

@@ -11,6 +11,7 @@ from hexwar_sb3.engine.pieces import on_map
 from hexwar_sb3.engine.records import NO_PIECE
 from hexwar_sb3.engine.world import World
 from hexwar_sb3.kernels import Row, Rows, kernel
+from hexwar_sb3.rules.indices import CellIndex
 from hexwar_sb3.tasks.choose import assign
 from hexwar_sb3.tasks.hotspots import hull_corners, plane
 from hexwar_sb3.tasks.records import TaskKind
@@ -45,7 +46,7 @@ def send_out(
         way_ticks(pieces[i], cells, world.rules, world.cells, world.eta, ticks)
         near = cells[ticks <= WARM_TICKS]
         if near.size:
-            assign(plans[i], TaskKind.HOLD, NO_PIECE, int(rng.choice(near)), game.tick)
+            assign(plans[i], TaskKind.HOLD, NO_PIECE, CellIndex(rng.choice(near)), game.tick)
 
 
 @kernel

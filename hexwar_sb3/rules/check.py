@@ -36,7 +36,7 @@ TABLE_LIMITS = {
 FROM_ROWS = frozenset(
     {"value", "blood", "armour", "base_hop", "moving_fire", "pool", "pool_ammo", "sight", "level"}
 )
-DERIVED = frozenset({"power", "odds_vehicle", "odds_small", "odds_soldier", "odds_air"})
+DERIVED = frozenset({"odds_vehicle", "odds_small", "odds_soldier", "odds_air"})
 
 
 def check_rules(rules: RuleTables) -> None:

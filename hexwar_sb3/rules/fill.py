@@ -31,7 +31,6 @@ def _fill_pieces(record: np.record, rules: RuleTables) -> None:
         record.armour[row.kind] = row.armour
         record.base_hop[row.kind] = row.base_hop
         record.moving_fire[row.kind] = row.moving_fire
-        record.power[row.kind] = row.value * row.blood
         for index, pool in enumerate(row.pools):
             record.pool_ammo[row.kind, index] = pool.ammo
             record.pool[row.kind, list(pool.weapons)] = index

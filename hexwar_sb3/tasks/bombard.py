@@ -4,9 +4,12 @@ from __future__ import annotations
 
 from hexwar_sb3.engine.fire import clamp
 from hexwar_sb3.engine.pieces import count_in, in_motion, stands_in
-from hexwar_sb3.kernels import Row, Rows, kernel
-from hexwar_sb3.rules.compiled import NO_EFFECT, SCATTER_HIT
+from hexwar_sb3.engine.records import GameRecord, Memory, Pieces
+from hexwar_sb3.kernels import kernel
+from hexwar_sb3.maps.cells import Cells
+from hexwar_sb3.rules.compiled import NO_EFFECT, SCATTER_HIT, RulesRecord
 from hexwar_sb3.rules.enums import PieceType
+from hexwar_sb3.rules.indices import CampIndex, CellIndex, PieceIndex, piece_range
 from hexwar_sb3.tasks.known import end_piece, first_piece, is_known, known_in
 from hexwar_sb3.tasks.shots import KILL_BONUS, SOLDIER_SUPPRESSED, VEHICLE_SUPPRESSED
 
@@ -22,7 +25,7 @@ def chance_of_two_dice(roll: int) -> float:
 
 
 @kernel
-def burst_value(hit: int, kind: int, blood: int, mods: int, rules: Row) -> float:
+def burst_value(hit: int, kind: int, blood: int, mods: int, rules: RulesRecord) -> float:
     """Expected points that one piece in the impact cell loses; `hit` 0: off target."""
     light = SOLDIER_SUPPRESSED if kind == PieceType.SOLDIER else VEHICLE_SUPPRESSED
     units = 0.0
@@ -41,7 +44,7 @@ def burst_value(hit: int, kind: int, blood: int, mods: int, rules: Row) -> float
 
 
 @kernel
-def landing_value(kind: int, blood: int, mods: int, observed: bool, rules: Row) -> float:
+def landing_value(kind: int, blood: int, mods: int, observed: bool, rules: RulesRecord) -> float:
     """Expected points over all scatters of a round aimed at the piece's cell."""
     hit = 0.0
     off_target = 0.0
@@ -57,7 +60,14 @@ def landing_value(kind: int, blood: int, mods: int, observed: bool, rules: Row) 
 
 @kernel
 def place_mods(
-    kind: int, cell: int, hidden: int, moving: bool, stacked: bool, guns: int, rules: Row, cells: Rows
+    kind: int,
+    cell: CellIndex,
+    hidden: int,
+    moving: bool,
+    stacked: bool,
+    guns: int,
+    rules: RulesRecord,
+    cells: Cells,
 ) -> int:
     """Modifiers of the correction for a piece under a burst."""
     mods = int(rules.burst_armour[rules.armour[kind]]) + int(rules.burst_guns[guns])
@@ -74,7 +84,14 @@ def place_mods(
 
 @kernel
 def mortar_value(
-    i: int, cell: int, observed: bool, game: Row, pieces: Rows, memory: Rows, rules: Row, cells: Rows
+    i: PieceIndex,
+    cell: CellIndex,
+    observed: bool,
+    game: GameRecord,
+    pieces: Pieces,
+    memory: Memory,
+    rules: RulesRecord,
+    cells: Cells,
 ) -> float:
     """Expected points of a round of chariot i at a cell, own losses taken off (bots.md, section 1).
 
@@ -87,14 +104,14 @@ def mortar_value(
     guns = min(int(pieces[i].blood), rules.burst_guns.size - 1)
     value = 0.0
     stacked = known_in(camp, cell, game, pieces, memory) >= 2
-    for j in range(first_piece(1 - camp, game), end_piece(1 - camp, game)):
+    for j in piece_range(first_piece(CampIndex(1 - camp), game), end_piece(CampIndex(1 - camp), game)):
         known = memory[camp, j]
         kind = pieces[j].kind
         if known.cell == cell and is_known(known) and kind != PieceType.AEROCRAFT:
             mods = place_mods(kind, cell, known.hidden, known.moving == 1, stacked, guns, rules, cells)
             value += landing_value(kind, known.blood, mods, observed, rules)
     stacked = count_in(pieces, camp, cell) >= 2
-    for a in range(first_piece(camp, game), end_piece(camp, game)):
+    for a in piece_range(first_piece(camp, game), end_piece(camp, game)):
         own = pieces[a]
         if stands_in(own, cell):
             mods = place_mods(own.kind, cell, own.hidden, in_motion(own), stacked, guns, rules, cells)

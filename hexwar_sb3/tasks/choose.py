@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from hexwar_sb3.engine.records import NO_CELL, NO_PIECE
-from hexwar_sb3.kernels import Row, Rows, kernel
+from hexwar_sb3.engine.records import NO_CELL, NO_PIECE, GameRecord
+from hexwar_sb3.kernels import Rows, kernel
+from hexwar_sb3.rules.indices import CampIndex, CellIndex, PieceIndex, piece_range
 from hexwar_sb3.tasks.known import first_piece
-from hexwar_sb3.tasks.records import ENDED, PLAN, WALKING, TaskKind
+from hexwar_sb3.tasks.records import ENDED, PLAN, WALKING, PlanRecord, Plans, TaskKind, TaskRecord, TaskSets
 
 FIRE_VALUE = 0.5  # points from which a piece fires at what it sees
 AMBUSH_VALUE = 1.5  # the same for a piece whose task is to stay hidden
@@ -24,9 +25,9 @@ def new_plans(n_games: int, n_pieces: int) -> np.recarray:
 
 
 @kernel
-def clear_plans(plans: Rows) -> None:
+def clear_plans(plans: Plans) -> None:
     """Forget all tasks of one game: a new game begins, everybody stops."""
-    for i in range(plans.size):
+    for i in piece_range(plans.size):
         plans[i].chosen_at = -1
         plans[i].asked_at = -1
         plans[i].covered = 0
@@ -34,7 +35,7 @@ def clear_plans(plans: Rows) -> None:
 
 
 @kernel
-def _begin(plan: Row, kind: int, target: int, cell: int) -> None:
+def _begin(plan: PlanRecord, kind: int, target: PieceIndex, cell: CellIndex) -> None:
     """Start on a task, in the style that its kind asks for."""
     plan.kind = kind
     plan.target = target
@@ -49,7 +50,7 @@ def _begin(plan: Row, kind: int, target: int, cell: int) -> None:
 
 
 @kernel
-def assign(plan: Row, kind: int, target: int, cell: int, tick: int) -> None:
+def assign(plan: PlanRecord, kind: int, target: PieceIndex, cell: CellIndex, tick: int) -> None:
     """Give a piece a task at a decision point; the one that it already has goes on.
 
     Fire style (`hold_fire`, `fire_value`, `stop_value`) is reset only by a new task: set it afterwards.
@@ -61,13 +62,15 @@ def assign(plan: Row, kind: int, target: int, cell: int, tick: int) -> None:
 
 
 @kernel
-def choose_task(i: int, task: Row, game: Row, plans: Rows) -> None:
+def choose_task(i: PieceIndex, task: TaskRecord, game: GameRecord, plans: Plans) -> None:
     """Give piece i one row of its task set (a TASK record) at this tick."""
     assign(plans[i], task.kind, task.target, task.cell, game.tick)
 
 
 @kernel
-def choose_tasks(camp: int, actions: Rows, game: Row, tasks: Rows, mask: Rows, plans: Rows) -> None:
+def choose_tasks(
+    camp: CampIndex, actions: Rows, game: GameRecord, tasks: TaskSets, mask: Rows, plans: Plans
+) -> None:
     """Give every piece of a camp the row that its action names.
 
     Args:
@@ -79,4 +82,4 @@ def choose_tasks(camp: int, actions: Rows, game: Row, tasks: Rows, mask: Rows, p
         row = int(actions[n])
         if row < 0 or row >= tasks.shape[1] or mask[n, row] == 0:
             row = 0
-        choose_task(first + n, tasks[n, row], game, plans)
+        choose_task(PieceIndex(first + n), tasks[n, row], game, plans)

@@ -23,9 +23,24 @@ import numpy as np
 from hexwar_sb3.engine.codes import Code
 from hexwar_sb3.engine.legality import occupy_code
 from hexwar_sb3.engine.pieces import has_path, in_fight, is_settled, on_map
-from hexwar_sb3.engine.records import MAX_PIECES, NEVER, NO_CELL, NO_PIECE
-from hexwar_sb3.kernels import Row, Rows, kernel
+from hexwar_sb3.engine.records import (
+    MAX_PIECES,
+    NEVER,
+    NO_CELL,
+    NO_PIECE,
+    GameRecord,
+    Memory,
+    Orders,
+    Paths,
+    PieceRecord,
+    Pieces,
+    Rounds,
+)
+from hexwar_sb3.kernels import Rows, kernel
+from hexwar_sb3.maps.cells import Cells, Sightlines, TravelTimes
+from hexwar_sb3.rules.compiled import RulesRecord
 from hexwar_sb3.rules.enums import Action, PieceType, Weapon
+from hexwar_sb3.rules.indices import CampIndex, PieceIndex, piece_range
 from hexwar_sb3.tasks.heuristic import heuristic_direction
 from hexwar_sb3.tasks.known import end_piece, first_piece
 from hexwar_sb3.tasks.phi import (
@@ -38,7 +53,7 @@ from hexwar_sb3.tasks.phi import (
     phi,
 )
 from hexwar_sb3.tasks.progress import can_end, end_task
-from hexwar_sb3.tasks.records import ENDED, STAYING, WALKING, TaskKind
+from hexwar_sb3.tasks.records import ENDED, STAYING, WALKING, PlanRecord, Plans, TaskKind
 from hexwar_sb3.tasks.shots import best_guided, best_shot, expect_loss
 
 GUIDE_SHARE = 0.8  # a chariot whose own shot is worth this share of the guided one fires itself
@@ -46,32 +61,32 @@ GUIDE_SHARE = 0.8  # a chariot whose own shot is worth this share of the guided 
 
 @kernel
 def execute_tasks(
-    camp: int, game: Row, pieces: Rows, memory: Rows, paths: Rows, rounds: Rows, orders: Rows, plans: Rows,
-    rules: Row, cells: Rows, los: Rows, eta: Rows,
+    camp: CampIndex, game: GameRecord, pieces: Pieces, memory: Memory, paths: Paths, rounds: Rounds, orders: Orders, plans: Plans,
+    rules: RulesRecord, cells: Cells, los: Sightlines, eta: TravelTimes,
 ) -> None:  # fmt: skip
     """Fill orders[] of a camp's pieces from their tasks; pieces that already have an order keep it."""
     first, end = first_piece(camp, game), end_piece(camp, game)
-    for i in range(first, end):
+    for i in piece_range(first, end):
         if can_end(pieces[i], plans[i]):
             end_task(i, game, pieces, memory, plans, rules)
         if needs_answer(pieces[i], plans[i], game.tick):
             ask_lower(i, game, pieces, memory, plans, rules, cells, los, eta)
     allotted = np.zeros(MAX_PIECES, np.int64)
     taken = claimed(first, end, orders)
-    for i in range(first, end):
+    for i in piece_range(first, end):
         if seeks_partner(plans[i]) and orders[i].kind == Action.NULL and (taken >> i) & 1 == 0:
             partner = order_with_partner(
                 i, taken, allotted, game, pieces, memory, orders, plans, rules, cells
             )
             if partner != NO_PIECE:
                 taken |= 1 << partner
-    for i in range(first, end):
+    for i in piece_range(first, end):
         if orders[i].kind == Action.NULL and (taken >> i) & 1 == 0 and may_act(pieces[i], plans[i], game):
             order_piece(i, allotted, game, pieces, memory, paths, rounds, orders, plans, rules, cells)
 
 
 @kernel
-def may_act(piece: Row, plan: Row, game: Row) -> bool:
+def may_act(piece: PieceRecord, plan: PlanRecord, game: GameRecord) -> bool:
     """A quick no for most pieces at most events: nothing could be ordered now anyway."""
     if not on_map(piece):
         return False
@@ -86,19 +101,19 @@ def may_act(piece: Row, plan: Row, game: Row) -> bool:
 
 
 @kernel
-def claimed(first: int, end: int, orders: Rows) -> int:
+def claimed(first: PieceIndex, end: PieceIndex, orders: Orders) -> int:
     """Bits of the chariots that orders already given lay hands on."""
     taken = 0
-    for i in range(first, end):
+    for i in piece_range(first, end):
         if orders[i].kind == Action.GUIDE_SHOOT:
-            taken |= 1 << int(orders[i].partner)
+            taken |= 1 << PieceIndex(orders[i].partner)
         elif orders[i].kind == Action.GET_ON:
             taken |= 1 << int(orders[i].target)
     return taken
 
 
 @kernel
-def needs_answer(piece: Row, plan: Row, tick: int) -> bool:
+def needs_answer(piece: PieceRecord, plan: PlanRecord, tick: int) -> bool:
     """The piece has just arrived in a cell or been given its task, and stands at a cell's centre."""
     if plan.state == ENDED or plan.asked_at == tick:
         return False
@@ -109,7 +124,15 @@ def needs_answer(piece: Row, plan: Row, tick: int) -> bool:
 
 @kernel
 def ask_lower(
-    i: int, game: Row, pieces: Rows, memory: Rows, plans: Rows, rules: Row, cells: Rows, los: Rows, eta: Rows
+    i: PieceIndex,
+    game: GameRecord,
+    pieces: Pieces,
+    memory: Memory,
+    plans: Plans,
+    rules: RulesRecord,
+    cells: Cells,
+    los: Sightlines,
+    eta: TravelTimes,
 ) -> None:
     """Ask the lower level once, and keep its answer until the next cell or decision."""
     plan = plans[i]
@@ -121,22 +144,22 @@ def ask_lower(
 
 
 @kernel
-def seeks_partner(plan: Row) -> bool:
+def seeks_partner(plan: PlanRecord) -> bool:
     """The task's action lays hands on a chariot, and the piece is at its place."""
     return plan.state == STAYING and (plan.kind == TaskKind.BOARD or plan.kind == TaskKind.GUIDE)
 
 
 @kernel
 def order_with_partner(
-    i: int, taken: int, allotted: Rows, game: Row, pieces: Rows, memory: Rows, orders: Rows, plans: Rows,
-    rules: Row, cells: Rows,
-) -> int:  # fmt: skip
+    i: PieceIndex, taken: int, allotted: Rows, game: GameRecord, pieces: Pieces, memory: Memory, orders: Orders, plans: Plans,
+    rules: RulesRecord, cells: Cells,
+) -> PieceIndex:  # fmt: skip
     """Guide or board, where that is the task and legal now; the chariot it takes, or NO_PIECE."""
     plan = plans[i]
     if plan.kind == TaskKind.BOARD:
         free = orders[plan.target].kind == Action.NULL and (taken >> int(plan.target)) & 1 == 0
         given = free and phi(i, 0, game, pieces, memory, orders, plans, rules, cells)
-        return int(plan.target) if given else NO_PIECE
+        return PieceIndex(plan.target) if given else NO_PIECE
     value, target, chariot = best_guided(
         i, plan.target, taken, allotted, game, pieces, memory, orders, rules, cells
     )
@@ -152,8 +175,8 @@ def order_with_partner(
 
 @kernel
 def fires_itself(
-    c: int, guided_value: float, allotted: Rows, game: Row, pieces: Rows, memory: Rows, plans: Rows,
-    rules: Row, cells: Rows,
+    c: PieceIndex, guided_value: float, allotted: Rows, game: GameRecord, pieces: Pieces, memory: Memory, plans: Plans,
+    rules: RulesRecord, cells: Cells,
 ) -> bool:  # fmt: skip
     """The chariot's own shot is about as good as the one that it would be guided to."""
     if plans[c].hold_fire:
@@ -164,8 +187,8 @@ def fires_itself(
 
 @kernel
 def order_piece(
-    i: int, allotted: Rows, game: Row, pieces: Rows, memory: Rows, paths: Rows, rounds: Rows, orders: Rows, plans: Rows,
-    rules: Row, cells: Rows,
+    i: PieceIndex, allotted: Rows, game: GameRecord, pieces: Pieces, memory: Memory, paths: Paths, rounds: Rounds, orders: Orders, plans: Plans,
+    rules: RulesRecord, cells: Cells,
 ) -> None:  # fmt: skip
     """The one order that serves piece i's task best in this step, if any."""
     piece = pieces[i]
@@ -191,7 +214,7 @@ def order_piece(
 
 
 @kernel
-def acts_alone(i: int, game: Row, pieces: Rows, plans: Rows) -> bool:
+def acts_alone(i: PieceIndex, game: GameRecord, pieces: Pieces, plans: Plans) -> bool:
     """The task's action needs no partner, and nobody who needs this chariot would miss it."""
     kind = plans[i].kind
     if kind == TaskKind.HIDE or kind == TaskKind.SHADOW:
@@ -201,8 +224,8 @@ def acts_alone(i: int, game: Row, pieces: Rows, plans: Rows) -> bool:
 
 @kernel
 def fire(
-    i: int, allotted: Rows, game: Row, pieces: Rows, memory: Rows, orders: Rows, plans: Rows, rules: Row,
-    cells: Rows,
+    i: PieceIndex, allotted: Rows, game: GameRecord, pieces: Pieces, memory: Memory, orders: Orders, plans: Plans, rules: RulesRecord,
+    cells: Cells,
 ) -> bool:  # fmt: skip
     """The task's own shot, else one of opportunity, if the plan's fire style allows it."""
     plan = plans[i]
@@ -222,7 +245,14 @@ def fire(
 
 @kernel
 def is_worth_a_stop(
-    i: int, allotted: Rows, game: Row, pieces: Rows, memory: Rows, plans: Rows, rules: Row, cells: Rows
+    i: PieceIndex,
+    allotted: Rows,
+    game: GameRecord,
+    pieces: Pieces,
+    memory: Memory,
+    plans: Plans,
+    rules: RulesRecord,
+    cells: Cells,
 ) -> bool:
     """A piece that cannot fire on the move has a shot from here that it should stand for."""
     plan = plans[i]
@@ -234,8 +264,8 @@ def is_worth_a_stop(
 
 @kernel
 def halt(
-    i: int, allotted: Rows, game: Row, pieces: Rows, memory: Rows, paths: Rows, orders: Rows, plans: Rows,
-    rules: Row, cells: Rows,
+    i: PieceIndex, allotted: Rows, game: GameRecord, pieces: Pieces, memory: Memory, paths: Paths, orders: Orders, plans: Plans,
+    rules: RulesRecord, cells: Cells,
 ) -> bool:  # fmt: skip
     """Stop a piece under way: for its task, for another way than it waits for, or for a shot."""
     piece = pieces[i]
@@ -251,7 +281,7 @@ def halt(
 
 
 @kernel
-def waits(i: int, rounds: Rows, game: Row, pieces: Rows, plans: Rows) -> bool:
+def waits(i: PieceIndex, rounds: Rounds, game: GameRecord, pieces: Pieces, plans: Plans) -> bool:
     """The piece should not move on yet: somebody boards it, or its round is in the air."""
     if plans[i].kind == TaskKind.BOMBARD and has_flying_round(i, rounds):
         return True
@@ -259,14 +289,14 @@ def waits(i: int, rounds: Rows, game: Row, pieces: Rows, plans: Rows) -> bool:
 
 
 @kernel
-def is_awaited(i: int, game: Row, pieces: Rows, plans: Rows) -> bool:
+def is_awaited(i: PieceIndex, game: GameRecord, pieces: Pieces, plans: Plans) -> bool:
     """A soldier whose task is to board this chariot stands in its cell, and both are able to."""
     chariot = pieces[i]
     if chariot.kind != PieceType.CHARIOT or chariot.passenger != NO_PIECE or chariot.suppressed:
         return False
     if in_fight(game, chariot):
         return False
-    for s in range(first_piece(chariot.camp, game), end_piece(chariot.camp, game)):
+    for s in piece_range(first_piece(chariot.camp, game), end_piece(chariot.camp, game)):
         boards = plans[s].kind == TaskKind.BOARD and plans[s].target == i and plans[s].state == STAYING
         soldier = pieces[s]
         if boards and on_map(soldier) and soldier.cell == chariot.cell and not soldier.suppressed:

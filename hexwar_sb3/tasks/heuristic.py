@@ -7,12 +7,15 @@ section 3). Whoever replaces it answers the same question from the same argument
 from __future__ import annotations
 
 from hexwar_sb3.engine.pieces import hop_from
-from hexwar_sb3.engine.records import NO_CELL
-from hexwar_sb3.kernels import Row, Rows, kernel
+from hexwar_sb3.engine.records import NO_CELL, Memory, PieceRecord, Pieces
+from hexwar_sb3.kernels import kernel
+from hexwar_sb3.maps.cells import Cells, Sightlines, TravelTimes
 from hexwar_sb3.maps.geometry import NO_DIRECTION, cells_apart, frame_direction
+from hexwar_sb3.rules.compiled import RulesRecord
+from hexwar_sb3.rules.indices import CampIndex, CellIndex, PieceIndex
 from hexwar_sb3.tasks.known import armed_level, sees_itself, would_see
 from hexwar_sb3.tasks.progress import is_at_target
-from hexwar_sb3.tasks.records import TaskKind
+from hexwar_sb3.tasks.records import Plans, TaskKind
 from hexwar_sb3.tasks.travel import UNREACHABLE, next_direction, travel_ticks
 
 GOOD_LEVEL = 5  # attack level at which a place is good enough to shoot from
@@ -24,7 +27,14 @@ _UNFIT = 0.0
 
 @kernel
 def heuristic_direction(
-    i: int, pieces: Rows, memory: Rows, plans: Rows, rules: Row, cells: Rows, los: Rows, eta: Rows
+    i: PieceIndex,
+    pieces: Pieces,
+    memory: Memory,
+    plans: Plans,
+    rules: RulesRecord,
+    cells: Cells,
+    los: Sightlines,
+    eta: TravelTimes,
 ) -> int:
     """Answer of the lower level for piece i: 0 stay and perform, else direction + 1.
 
@@ -41,22 +51,37 @@ def heuristic_direction(
 
 @kernel
 def right_place(
-    i: int, pieces: Rows, memory: Rows, plans: Rows, rules: Row, cells: Rows, los: Rows, eta: Rows
-) -> int:
+    i: PieceIndex,
+    pieces: Pieces,
+    memory: Memory,
+    plans: Plans,
+    rules: RulesRecord,
+    cells: Cells,
+    los: Sightlines,
+    eta: TravelTimes,
+) -> CellIndex:
     """The cell where piece i's task is to be done (table of architecture.md, section 3)."""
     plan = plans[i]
     if is_at_target(plan.kind):
         return _place_for_target(i, pieces, memory, plans, rules, cells, los, eta)
     if plan.kind == TaskKind.BOARD:
-        return int(pieces[plan.target].cell)
+        return CellIndex(pieces[plan.target].cell)
     if plan.cell != NO_CELL:
-        return int(plan.cell)
-    return int(pieces[i].cell)
+        return CellIndex(plan.cell)
+    return CellIndex(pieces[i].cell)
 
 
 @kernel
 def fitness(
-    i: int, cell: int, j: int, task_kind: int, pieces: Rows, memory: Rows, rules: Row, cells: Rows, los: Rows
+    i: PieceIndex,
+    cell: CellIndex,
+    j: PieceIndex,
+    task_kind: int,
+    pieces: Pieces,
+    memory: Memory,
+    rules: RulesRecord,
+    cells: Cells,
+    los: Sightlines,
 ) -> float:
     """How well piece i could do a task on enemy j from a cell; 0: not at all, GOOD_LEVEL: well."""
     piece = pieces[i]
@@ -76,7 +101,7 @@ def fitness(
 
 
 @kernel
-def cover(cell: int, cells: Rows) -> float:
+def cover(cell: CellIndex, cells: Cells) -> float:
     """How sheltered a cell is, 0..2."""
     shelter = 1.0 if cells[cell].concealed else 0.0
     return 1.0 - float(cells[cell].exposure) + shelter
@@ -84,7 +109,14 @@ def cover(cell: int, cells: Rows) -> float:
 
 @kernel
 def _fitness_here(
-    i: int, j: int, task_kind: int, pieces: Rows, memory: Rows, rules: Row, cells: Rows, los: Rows
+    i: PieceIndex,
+    j: PieceIndex,
+    task_kind: int,
+    pieces: Pieces,
+    memory: Memory,
+    rules: RulesRecord,
+    cells: Cells,
+    los: Sightlines,
 ) -> float:
     """The same for the piece's own cell, where what it really sees is known."""
     piece = pieces[i]
@@ -96,21 +128,28 @@ def _fitness_here(
 
 @kernel
 def _place_for_target(
-    i: int, pieces: Rows, memory: Rows, plans: Rows, rules: Row, cells: Rows, los: Rows, eta: Rows
-) -> int:
+    i: PieceIndex,
+    pieces: Pieces,
+    memory: Memory,
+    plans: Plans,
+    rules: RulesRecord,
+    cells: Cells,
+    los: Sightlines,
+    eta: TravelTimes,
+) -> CellIndex:
     """Here if it will do, else the first good cell on the way to where the enemy was last seen."""
     piece = pieces[i]
     plan = plans[i]
     j = plan.target
     target_cell = memory[piece.camp, j].cell
     if target_cell == NO_CELL:
-        return int(piece.cell)
+        return CellIndex(piece.cell)
     here = _fitness_here(i, j, plan.kind, pieces, memory, rules, cells, los)
     if here >= GOOD_LEVEL or (plan.kind == TaskKind.SHADOW and here > _UNFIT):
-        return int(piece.cell)
+        return CellIndex(piece.cell)
     if plan.kind == TaskKind.SHADOW and plan.goal != NO_CELL:
         if fitness(i, plan.goal, j, plan.kind, pieces, memory, rules, cells, los) > _UNFIT:
-            return int(plan.goal)
+            return CellIndex(plan.goal)
     if plan.kind == TaskKind.BOMBARD and cells_apart(cells, piece.cell, target_cell) < rules.mortar_min_cells:
         return _step_back(piece, target_cell, rules, cells)
     return _best_on_the_way(i, here, pieces, memory, plans, rules, cells, los, eta)
@@ -118,21 +157,21 @@ def _place_for_target(
 
 @kernel
 def _best_on_the_way(
-    i: int, here: float, pieces: Rows, memory: Rows, plans: Rows, rules: Row, cells: Rows, los: Rows,
-    eta: Rows,
-) -> int:  # fmt: skip
+    i: PieceIndex, here: float, pieces: Pieces, memory: Memory, plans: Plans, rules: RulesRecord, cells: Cells, los: Sightlines,
+    eta: TravelTimes,
+) -> CellIndex:  # fmt: skip
     """Walk the way in mind and keep the best place; shadows compare only the first few."""
     piece = pieces[i]
     plan = plans[i]
     target_cell = memory[piece.camp, plan.target].cell
     end = approach(piece.kind, piece.camp, piece.cell, target_cell, rules, cells, eta)
-    best, best_fitness, choices = int(piece.cell), here, 0
-    cell = int(piece.cell)
+    best, best_fitness, choices = CellIndex(piece.cell), here, 0
+    cell = CellIndex(piece.cell)
     for _ in range(SEARCH_CELLS):
         d = next_direction(piece.kind, piece.camp, cell, end, plan.covered == 1, rules, cells, eta)
         if d == NO_DIRECTION:
             break
-        cell = int(cells[cell].neighbour[d])
+        cell = CellIndex(cells[cell].neighbour[d])
         if cell == target_cell:
             break
         fit = fitness(i, cell, plan.target, plan.kind, pieces, memory, rules, cells, los)
@@ -145,28 +184,36 @@ def _best_on_the_way(
 
 
 @kernel
-def approach(kind: int, camp: int, start: int, goal: int, rules: Row, cells: Rows, eta: Rows) -> int:
+def approach(
+    kind: int,
+    camp: CampIndex,
+    start: CellIndex,
+    goal: CellIndex,
+    rules: RulesRecord,
+    cells: Cells,
+    eta: TravelTimes,
+) -> CellIndex:
     """The goal, or a neighbour of it that can be reached where itself cannot; else the start."""
     if travel_ticks(kind, start, goal, rules, cells, eta) < UNREACHABLE:
         return goal
     for framed in range(6):
-        beside = int(cells[goal].neighbour[frame_direction(framed, camp)])
+        beside = CellIndex(cells[goal].neighbour[frame_direction(framed, camp)])
         if beside != NO_CELL and travel_ticks(kind, start, beside, rules, cells, eta) < UNREACHABLE:
             return beside
     return start
 
 
 @kernel
-def _step_back(piece: Row, target_cell: int, rules: Row, cells: Rows) -> int:
+def _step_back(piece: PieceRecord, target_cell: CellIndex, rules: RulesRecord, cells: Cells) -> CellIndex:
     """The neighbour that is farthest from a cell, the quicker one among equals; else here."""
-    best = int(piece.cell)
+    best = CellIndex(piece.cell)
     most, least_ticks = cells_apart(cells, piece.cell, target_cell), UNREACHABLE
     for framed in range(6):
         d = frame_direction(framed, piece.camp)
         hop = hop_from(piece.kind, piece.cell, d, rules, cells)
         if hop == 0:
             continue
-        beside = int(cells[piece.cell].neighbour[d])
+        beside = CellIndex(cells[piece.cell].neighbour[d])
         apart = cells_apart(cells, beside, target_cell)
         if apart > most or (apart == most and best != piece.cell and hop < least_ticks):
             best, most, least_ticks = beside, apart, hop

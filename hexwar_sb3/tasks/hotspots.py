@@ -26,6 +26,7 @@ from hexwar_sb3.maps.document import Document
 from hexwar_sb3.maps.geometry import NO_DIRECTION, SE, SW, E, direction_between
 from hexwar_sb3.maps.scenario import Scenario
 from hexwar_sb3.rules.enums import Camp, HopClass, PieceType
+from hexwar_sb3.rules.indices import CellIndex
 from hexwar_sb3.tasks.spots import (
     SPOTS,
     away_from,
@@ -132,7 +133,7 @@ class _Stays:
         self.pieces = {str(piece): piece for piece in world.scenario.pieces}
         self.least_ticks = int(world.rules[0].stop_ticks)
         self.visits = np.zeros((len(SIDES), world.cells.size), np.int64)
-        self._since: dict[str, tuple[int, int]] = {}  # (cell, tick) by piece
+        self._since: dict[str, tuple[CellIndex, int]] = {}  # (cell, tick) by piece
 
     def follow(self, event: Document) -> None:
         """Take in an event by which a piece comes or goes."""
@@ -140,7 +141,7 @@ class _Stays:
         hexmap = self.world.scenario.hexmap
         name = event.choice("piece", self.pieces)
         tick = event.integer("tick", 0, self.world.scenario.game_ticks)
-        cell = int(event.cell("cell", event.text("cell"), hexmap.width, hexmap.height))
+        cell = event.cell("cell", event.text("cell"), hexmap.width, hexmap.height)
         if self.pieces[name].kind == PieceType.AEROCRAFT:
             return
         self._leave(name, tick - self._hop_ticks(name, cell))
@@ -160,7 +161,7 @@ class _Stays:
         if tick - came >= self.least_ticks:
             self.visits[self.pieces[name].camp, cell] += 1
 
-    def _hop_ticks(self, name: str, to: int) -> int:
+    def _hop_ticks(self, name: str, to: CellIndex) -> int:
         """Ticks of the hop by which a piece left its cell; 0 where it made none."""
         here = self._since.get(name, (to, 0))[0]
         direction = direction_between(self.world.cells, here, to)

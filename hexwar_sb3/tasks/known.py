@@ -8,24 +8,26 @@ from __future__ import annotations
 
 from hexwar_sb3.engine.fire import height_correction
 from hexwar_sb3.engine.pieces import target_class
-from hexwar_sb3.engine.records import NEVER, NO_CELL
+from hexwar_sb3.engine.records import NEVER, NO_CELL, GameRecord, Memory, MemoryRecord, PieceRecord, Pieces
 from hexwar_sb3.engine.sight import line_of_sight
-from hexwar_sb3.kernels import Row, Rows, kernel
+from hexwar_sb3.kernels import kernel
+from hexwar_sb3.maps.cells import Cells, Sightlines
 from hexwar_sb3.maps.geometry import cells_apart
-from hexwar_sb3.rules.compiled import NO_POOL
+from hexwar_sb3.rules.compiled import NO_POOL, RulesRecord
 from hexwar_sb3.rules.enums import Camp, PieceType
+from hexwar_sb3.rules.indices import CampIndex, CellIndex, PieceIndex, piece_range
 
 
 @kernel
-def first_piece(camp: int, game: Row) -> int:
+def first_piece(camp: CampIndex, game: GameRecord) -> PieceIndex:
     """Index of a camp's first piece."""
-    return 0 if camp == Camp.RED else int(game.n_red)
+    return PieceIndex(0 if camp == Camp.RED else game.n_red)
 
 
 @kernel
-def end_piece(camp: int, game: Row) -> int:
+def end_piece(camp: CampIndex, game: GameRecord) -> PieceIndex:
     """Index behind a camp's last piece."""
-    return int(game.n_red) if camp == Camp.RED else int(game.n_pieces)
+    return PieceIndex(game.n_red if camp == Camp.RED else game.n_pieces)
 
 
 @kernel
@@ -37,25 +39,27 @@ def ticks_left(ends: int, tick: int) -> int:
 
 
 @kernel
-def is_known(known: Row) -> bool:
+def is_known(known: MemoryRecord) -> bool:
     """Seen at least once, and not known to be destroyed."""
     return known.cell != NO_CELL and known.blood > 0
 
 
 @kernel
-def age(known: Row, tick: int) -> int:
+def age(known: MemoryRecord, tick: int) -> int:
     """Ticks since an enemy was last seen."""
     return 0 if known.seen else int(tick) - int(known.tick)
 
 
 @kernel
-def sees_itself(piece: Row, j: int) -> bool:
+def sees_itself(piece: PieceRecord, j: PieceIndex) -> bool:
     """The piece itself sees piece j now."""
     return (int(piece.sees) >> int(j)) & 1 == 1
 
 
 @kernel
-def reach_of_sight(kind: int, cell: int, target_kind: int, known: Row, rules: Row, cells: Rows) -> int:
+def reach_of_sight(
+    kind: int, cell: CellIndex, target_kind: int, known: MemoryRecord, rules: RulesRecord, cells: Cells
+) -> int:
     """Greatest distance at which a type of piece in `cell` would see a known enemy (section 6)."""
     reach = int(rules.sight[kind, target_kind])
     if known.hidden:
@@ -68,7 +72,9 @@ def reach_of_sight(kind: int, cell: int, target_kind: int, known: Row, rules: Ro
 
 
 @kernel
-def has_line_from(kind: int, cell: int, target_kind: int, target_cell: int, los: Rows) -> bool:
+def has_line_from(
+    kind: int, cell: CellIndex, target_kind: int, target_cell: CellIndex, los: Sightlines
+) -> bool:
     """Line of sight between two cells, as far as it depends on who is airborne."""
     if kind == PieceType.AEROCRAFT:
         return line_of_sight(los, 2 if target_kind == PieceType.AEROCRAFT else 1, cell, target_cell)
@@ -78,7 +84,15 @@ def has_line_from(kind: int, cell: int, target_kind: int, target_cell: int, los:
 
 
 @kernel
-def would_see(kind: int, cell: int, target_kind: int, known: Row, rules: Row, cells: Rows, los: Rows) -> bool:
+def would_see(
+    kind: int,
+    cell: CellIndex,
+    target_kind: int,
+    known: MemoryRecord,
+    rules: RulesRecord,
+    cells: Cells,
+    los: Sightlines,
+) -> bool:
     """Whether a type of piece in `cell` would see the enemy where it was last seen."""
     apart = cells_apart(cells, cell, known.cell)
     if apart > reach_of_sight(kind, cell, target_kind, known, rules, cells):
@@ -88,7 +102,14 @@ def would_see(kind: int, cell: int, target_kind: int, known: Row, rules: Row, ce
 
 @kernel
 def level_from(
-    weapon: int, kind: int, blood: int, cell: int, target_kind: int, target_cell: int, rules: Row, cells: Rows
+    weapon: int,
+    kind: int,
+    blood: int,
+    cell: CellIndex,
+    target_kind: int,
+    target_cell: CellIndex,
+    rules: RulesRecord,
+    cells: Cells,
 ) -> int:
     """Attack level between two cells, height corrected; 0: no shot (section 7)."""
     apart = cells_apart(cells, cell, target_cell)
@@ -103,7 +124,13 @@ def level_from(
 
 @kernel
 def best_level(
-    kind: int, blood: int, cell: int, target_kind: int, target_cell: int, rules: Row, cells: Rows
+    kind: int,
+    blood: int,
+    cell: CellIndex,
+    target_kind: int,
+    target_cell: CellIndex,
+    rules: RulesRecord,
+    cells: Cells,
 ) -> int:
     """Highest attack level of any weapon of a type of piece, ammunition aside."""
     best = 0
@@ -115,7 +142,14 @@ def best_level(
 
 
 @kernel
-def armed_level(piece: Row, cell: int, target_kind: int, target_cell: int, rules: Row, cells: Rows) -> int:
+def armed_level(
+    piece: PieceRecord,
+    cell: CellIndex,
+    target_kind: int,
+    target_cell: CellIndex,
+    rules: RulesRecord,
+    cells: Cells,
+) -> int:
     """Highest attack level of the weapons that the piece still has rounds for, fired from `cell`."""
     best = 0
     for weapon in range(rules.pool.shape[1]):
@@ -127,7 +161,7 @@ def armed_level(piece: Row, cell: int, target_kind: int, target_cell: int, rules
 
 
 @kernel
-def can_hurt(piece: Row, target_kind: int, rules: Row) -> bool:
+def can_hurt(piece: PieceRecord, target_kind: int, rules: RulesRecord) -> bool:
     """Some weapon of the piece, with rounds left, has a level against the type at some distance."""
     target = target_class(target_kind)
     for weapon in range(rules.pool.shape[1]):
@@ -141,10 +175,10 @@ def can_hurt(piece: Row, target_kind: int, rules: Row) -> bool:
 
 
 @kernel
-def known_in(camp: int, cell: int, game: Row, pieces: Rows, memory: Rows) -> int:
+def known_in(camp: CampIndex, cell: CellIndex, game: GameRecord, pieces: Pieces, memory: Memory) -> int:
     """Enemy ground pieces that the camp sees in a cell."""
     count = 0
-    for j in range(first_piece(1 - camp, game), end_piece(1 - camp, game)):
+    for j in piece_range(first_piece(CampIndex(1 - camp), game), end_piece(CampIndex(1 - camp), game)):
         known = memory[camp, j]
         if known.seen and known.cell == cell and known.blood > 0 and pieces[j].kind != PieceType.AEROCRAFT:
             count += 1
@@ -152,10 +186,12 @@ def known_in(camp: int, cell: int, game: Row, pieces: Rows, memory: Rows) -> int
 
 
 @kernel
-def known_in_zone(camp: int, cell: int, game: Row, pieces: Rows, memory: Rows, cells: Rows) -> int:
+def known_in_zone(
+    camp: CampIndex, cell: CellIndex, game: GameRecord, pieces: Pieces, memory: Memory, cells: Cells
+) -> int:
     """Enemy ground pieces that the camp sees in a cell or beside it: who keeps it from occupying."""
     count = 0
-    for j in range(first_piece(1 - camp, game), end_piece(1 - camp, game)):
+    for j in piece_range(first_piece(CampIndex(1 - camp), game), end_piece(CampIndex(1 - camp), game)):
         known = memory[camp, j]
         there = known.seen and known.blood > 0 and pieces[j].kind != PieceType.AEROCRAFT
         if there and cells_apart(cells, cell, known.cell) <= 1:

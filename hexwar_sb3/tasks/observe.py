@@ -9,11 +9,14 @@ import numpy as np
 
 from hexwar_sb3.engine.legality import point_at
 from hexwar_sb3.engine.pieces import hop_from, in_fight, in_motion, is_busy, is_settled, on_map
-from hexwar_sb3.engine.records import MAX_PIECES, NO_CELL, NO_PIECE
+from hexwar_sb3.engine.records import MAX_PIECES, NO_CELL, NO_PIECE, GameRecord, Memory, PieceRecord, Pieces
 from hexwar_sb3.engine.score import known_margin, margin
-from hexwar_sb3.kernels import Row, Rows, kernel
+from hexwar_sb3.kernels import Rows, kernel
+from hexwar_sb3.maps.cells import Cells, Sightlines, TravelTimes
 from hexwar_sb3.maps.geometry import cells_apart, frame_cell, frame_direction
+from hexwar_sb3.rules.compiled import RulesRecord
 from hexwar_sb3.rules.enums import Camp, PieceType
+from hexwar_sb3.rules.indices import CampIndex, PieceIndex, camp_range, piece_range, point_range
 from hexwar_sb3.tasks.features import (
     MOST,
     PER_BLOOD,
@@ -28,6 +31,7 @@ from hexwar_sb3.tasks.features import (
     PER_WAY,
 )
 from hexwar_sb3.tasks.known import age, end_piece, first_piece, known_in_zone, sees_itself, ticks_left
+from hexwar_sb3.tasks.records import PlanRecord, Plans, TaskSets
 from hexwar_sb3.tasks.shots import best_shot
 from hexwar_sb3.tasks.task_rows import N_TASKS, N_TYPES, bounded, put_way, write_rows
 from hexwar_sb3.tasks.travel import travel_ticks
@@ -35,8 +39,8 @@ from hexwar_sb3.tasks.travel import travel_ticks
 
 @kernel
 def observe(
-    camp: int, game: Row, pieces: Rows, memory: Rows, plans: Rows, rules: Row, cells: Rows, los: Rows, eta: Rows,
-    tasks: Rows, mask: Rows, obs: Rows, rows: Rows, alive: Rows,
+    camp: CampIndex, game: GameRecord, pieces: Pieces, memory: Memory, plans: Plans, rules: RulesRecord, cells: Cells, los: Sightlines, eta: TravelTimes,
+    tasks: TaskSets, mask: Rows, obs: Rows, rows: Rows, alive: Rows,
 ) -> None:  # fmt: skip
     """Write one camp's observation (fogged, in the camp's frame).
 
@@ -46,7 +50,7 @@ def observe(
     """
     first = first_piece(camp, game)
     for n in range(end_piece(camp, game) - first):
-        i = first + n
+        i = PieceIndex(first + n)
         obs[n, :] = 0.0
         rows[n, :, :] = 0.0
         alive[n] = 1.0 if pieces[i].blood > 0 else 0.0
@@ -62,7 +66,14 @@ def observe(
 
 @kernel
 def _put_self(
-    out: Rows, i: int, game: Row, pieces: Rows, memory: Rows, plans: Rows, rules: Row, cells: Rows
+    out: Rows,
+    i: PieceIndex,
+    game: GameRecord,
+    pieces: Pieces,
+    memory: Memory,
+    plans: Plans,
+    rules: RulesRecord,
+    cells: Cells,
 ) -> int:
     piece = pieces[i]
     first, end = first_piece(piece.camp, game), end_piece(piece.camp, game)
@@ -95,7 +106,7 @@ def _put_self(
 
 
 @kernel
-def _put_timers(out: Rows, at: int, piece: Row, tick: int) -> int:
+def _put_timers(out: Rows, at: int, piece: PieceRecord, tick: int) -> int:
     out[at] = ticks_left(piece.cool_ends, tick) * PER_TIMER
     out[at + 1] = ticks_left(piece.stop_ends, tick) * PER_TIMER
     out[at + 2] = ticks_left(piece.hide_ends, tick) * PER_TIMER
@@ -107,10 +118,10 @@ def _put_timers(out: Rows, at: int, piece: Row, tick: int) -> int:
 
 
 @kernel
-def partner_cells(i: int, game: Row, pieces: Rows, cells: Rows) -> int:
+def partner_cells(i: PieceIndex, game: GameRecord, pieces: Pieces, cells: Cells) -> int:
     """Distance of a soldier from its chariot, or of a chariot from its soldier; 0 without one."""
     piece = pieces[i]
-    for k in range(first_piece(piece.camp, game), end_piece(piece.camp, game)):
+    for k in piece_range(first_piece(piece.camp, game), end_piece(piece.camp, game)):
         belongs = piece.home == k or (pieces[k].home == i and piece.kind == PieceType.CHARIOT)
         if belongs and pieces[k].blood > 0:
             return cells_apart(cells, piece.cell, pieces[k].cell)
@@ -119,11 +130,20 @@ def partner_cells(i: int, game: Row, pieces: Rows, cells: Rows) -> int:
 
 @kernel
 def _put_shots(
-    out: Rows, at: int, i: int, game: Row, pieces: Rows, memory: Rows, rules: Row, cells: Rows
+    out: Rows,
+    at: int,
+    i: PieceIndex,
+    game: GameRecord,
+    pieces: Pieces,
+    memory: Memory,
+    rules: RulesRecord,
+    cells: Cells,
 ) -> int:
     piece = pieces[i]
     seen = 0
-    for j in range(first_piece(1 - piece.camp, game), end_piece(1 - piece.camp, game)):
+    for j in piece_range(
+        first_piece(CampIndex(1 - piece.camp), game), end_piece(CampIndex(1 - piece.camp), game)
+    ):
         seen += 1 if sees_itself(piece, j) else 0
     if seen > 0:
         allotted = np.zeros(MAX_PIECES, np.int64)
@@ -136,7 +156,7 @@ def _put_shots(
 
 
 @kernel
-def _put_plan(out: Rows, at: int, piece: Row, plan: Row, cells: Rows) -> int:
+def _put_plan(out: Rows, at: int, piece: PieceRecord, plan: PlanRecord, cells: Cells) -> int:
     out[at + plan.kind] = 1.0
     at += N_TASKS
     out[at + plan.state] = 1.0
@@ -146,7 +166,7 @@ def _put_plan(out: Rows, at: int, piece: Row, plan: Row, cells: Rows) -> int:
 
 
 @kernel
-def _put_neighbours(out: Rows, at: int, piece: Row, rules: Row, cells: Rows) -> int:
+def _put_neighbours(out: Rows, at: int, piece: PieceRecord, rules: RulesRecord, cells: Cells) -> int:
     """Properties of the six cells around, in the order of the camp's directions."""
     here = cells[piece.cell]
     for framed in range(6):
@@ -166,9 +186,9 @@ def _put_neighbours(out: Rows, at: int, piece: Row, rules: Row, cells: Rows) -> 
 
 
 @kernel
-def _put_own(out: Rows, at: int, i: int, game: Row, pieces: Rows, cells: Rows) -> int:
+def _put_own(out: Rows, at: int, i: PieceIndex, game: GameRecord, pieces: Pieces, cells: Cells) -> int:
     camp = pieces[i].camp
-    for k in range(first_piece(camp, game), end_piece(camp, game)):
+    for k in piece_range(first_piece(camp, game), end_piece(camp, game)):
         other = pieces[k]
         if other.blood > 0:
             out[at] = 1.0
@@ -182,10 +202,12 @@ def _put_own(out: Rows, at: int, i: int, game: Row, pieces: Rows, cells: Rows) -
 
 
 @kernel
-def _put_enemies(out: Rows, at: int, i: int, game: Row, pieces: Rows, memory: Rows, cells: Rows) -> int:
+def _put_enemies(
+    out: Rows, at: int, i: PieceIndex, game: GameRecord, pieces: Pieces, memory: Memory, cells: Cells
+) -> int:
     """u(sigma, t): the enemies as the camp last saw them (III-A)."""
     camp = pieces[i].camp
-    for j in range(first_piece(1 - camp, game), end_piece(1 - camp, game)):
+    for j in piece_range(first_piece(CampIndex(1 - camp), game), end_piece(CampIndex(1 - camp), game)):
         known = memory[camp, j]
         if known.cell == NO_CELL:
             out[at] = 1.0
@@ -206,10 +228,18 @@ def _put_enemies(out: Rows, at: int, i: int, game: Row, pieces: Rows, memory: Ro
 
 @kernel
 def _put_points(
-    out: Rows, at: int, i: int, game: Row, pieces: Rows, memory: Rows, rules: Row, cells: Rows, eta: Rows
+    out: Rows,
+    at: int,
+    i: PieceIndex,
+    game: GameRecord,
+    pieces: Pieces,
+    memory: Memory,
+    rules: RulesRecord,
+    cells: Cells,
+    eta: TravelTimes,
 ) -> int:
     piece = pieces[i]
-    for k in range(game.n_points):
+    for k in point_range(game.n_points):
         cell = game.point_cell[k]
         put_way(out, at, piece.camp, piece.cell, cell, cells)
         at = _put_owner(out, at + 3, piece.camp, game.point_owner[k])
@@ -222,14 +252,14 @@ def _put_points(
 
 
 @kernel
-def _put_owner(out: Rows, at: int, camp: int, owner: int) -> int:
+def _put_owner(out: Rows, at: int, camp: CampIndex, owner: int) -> int:
     out[at] = 1.0 if owner == camp else 0.0
     out[at + 1] = 1.0 if owner == 1 - camp else 0.0
     return at + 2
 
 
 @kernel
-def _put_game(out: Rows, at: int, camp: int, game: Row, points: int) -> int:
+def _put_game(out: Rows, at: int, camp: CampIndex, game: GameRecord, points: int) -> int:
     out[at] = bounded((int(game.end_tick) - int(game.tick)) * PER_GAME)
     out[at + 1] = bounded(points * PER_MARGIN)
     out[at + 2] = 1.0 if camp == Camp.BLUE else 0.0
@@ -237,21 +267,25 @@ def _put_game(out: Rows, at: int, camp: int, game: Row, points: int) -> int:
 
 
 @kernel
-def global_state(camp: int, game: Row, pieces: Rows, rules: Row, cells: Rows, state: Rows) -> None:
+def global_state(
+    camp: CampIndex, game: GameRecord, pieces: Pieces, rules: RulesRecord, cells: Cells, state: Rows
+) -> None:
     """Write the true state, for the mixer in training only: f4 [Ds], in the camp's frame."""
     state[:] = 0.0
     at = 0
-    for side in range(2):
-        whose = camp if side == 0 else 1 - camp
-        for i in range(first_piece(whose, game), end_piece(whose, game)):
+    for side in camp_range(2):
+        whose = camp if side == Camp.RED else CampIndex(1 - camp)
+        for i in piece_range(first_piece(whose, game), end_piece(whose, game)):
             at = _put_true(state, at, i, camp, game, pieces, cells)
-    for k in range(game.n_points):
+    for k in point_range(game.n_points):
         at = _put_owner(state, at, camp, game.point_owner[k])
     _put_game(state, at, camp, game, margin(game, pieces, camp, rules))
 
 
 @kernel
-def _put_true(out: Rows, at: int, i: int, camp: int, game: Row, pieces: Rows, cells: Rows) -> int:
+def _put_true(
+    out: Rows, at: int, i: PieceIndex, camp: CampIndex, game: GameRecord, pieces: Pieces, cells: Cells
+) -> int:
     piece = pieces[i]
     if piece.blood > 0:
         framed = frame_cell(cells, piece.cell, camp)
@@ -268,10 +302,10 @@ def _put_true(out: Rows, at: int, i: int, camp: int, game: Row, pieces: Rows, ce
 
 
 @kernel
-def is_seen(i: int, game: Row, pieces: Rows) -> bool:
+def is_seen(i: PieceIndex, game: GameRecord, pieces: Pieces) -> bool:
     """Some enemy sees the piece."""
-    enemy = 1 - pieces[i].camp
-    for j in range(first_piece(enemy, game), end_piece(enemy, game)):
+    enemy = CampIndex(1 - pieces[i].camp)
+    for j in piece_range(first_piece(enemy, game), end_piece(enemy, game)):
         if on_map(pieces[j]) and sees_itself(pieces[j], i):
             return True
     return False

@@ -5,16 +5,37 @@ from __future__ import annotations
 from hexwar_sb3.engine.codes import Code
 from hexwar_sb3.engine.legality import occupy_code, order_code
 from hexwar_sb3.engine.pieces import has_path, hop_progress, in_fight, stands_in
-from hexwar_sb3.engine.records import NO_CELL, NO_PIECE, ROUND_FLYING
-from hexwar_sb3.kernels import Row, Rows, kernel
+from hexwar_sb3.engine.records import (
+    NO_CELL,
+    NO_PIECE,
+    ROUND_FLYING,
+    GameRecord,
+    Memory,
+    Orders,
+    PieceRecord,
+    Pieces,
+    Rounds,
+)
+from hexwar_sb3.kernels import kernel
+from hexwar_sb3.maps.cells import Cells
+from hexwar_sb3.rules.compiled import RulesRecord
 from hexwar_sb3.rules.enums import Action
+from hexwar_sb3.rules.indices import CampIndex, CellIndex, PieceIndex, piece_range
 from hexwar_sb3.tasks.known import end_piece, first_piece, known_in_zone
-from hexwar_sb3.tasks.records import TaskKind
+from hexwar_sb3.tasks.records import Plans, TaskKind
 
 
 @kernel
 def give(
-    i: int, kind: int, target: int, cell: int, game: Row, pieces: Rows, orders: Rows, rules: Row, cells: Rows
+    i: PieceIndex,
+    kind: int,
+    target: PieceIndex,
+    cell: CellIndex,
+    game: GameRecord,
+    pieces: Pieces,
+    orders: Orders,
+    rules: RulesRecord,
+    cells: Cells,
 ) -> bool:
     """Write an order if it is legal now; False, and no order, if it is not.
 
@@ -30,7 +51,9 @@ def give(
 
 
 @kernel
-def keep_if_legal(i: int, game: Row, pieces: Rows, orders: Rows, rules: Row, cells: Rows) -> bool:
+def keep_if_legal(
+    i: PieceIndex, game: GameRecord, pieces: Pieces, orders: Orders, rules: RulesRecord, cells: Cells
+) -> bool:
     """Take an illegal order back."""
     if order_code(i, orders[i], game, pieces, rules, cells) == Code.OK:
         return True
@@ -39,7 +62,15 @@ def keep_if_legal(i: int, game: Row, pieces: Rows, orders: Rows, rules: Row, cel
 
 
 @kernel
-def give_move(i: int, direction: int, game: Row, pieces: Rows, orders: Rows, rules: Row, cells: Rows) -> bool:
+def give_move(
+    i: PieceIndex,
+    direction: int,
+    game: GameRecord,
+    pieces: Pieces,
+    orders: Orders,
+    rules: RulesRecord,
+    cells: Cells,
+) -> bool:
     """One hop in a direction, if it is legal now."""
     orders[i].kind = Action.MOVE
     orders[i].path_len = 1
@@ -49,7 +80,14 @@ def give_move(i: int, direction: int, game: Row, pieces: Rows, orders: Rows, rul
 
 @kernel
 def give_shot(
-    i: int, target: int, weapon: int, game: Row, pieces: Rows, orders: Rows, rules: Row, cells: Rows
+    i: PieceIndex,
+    target: PieceIndex,
+    weapon: int,
+    game: GameRecord,
+    pieces: Pieces,
+    orders: Orders,
+    rules: RulesRecord,
+    cells: Cells,
 ) -> bool:
     """A direct shot, if it is legal now."""
     orders[i].weapon = weapon
@@ -58,7 +96,14 @@ def give_shot(
 
 @kernel
 def give_guided(
-    i: int, target: int, chariot: int, game: Row, pieces: Rows, orders: Rows, rules: Row, cells: Rows
+    i: PieceIndex,
+    target: PieceIndex,
+    chariot: PieceIndex,
+    game: GameRecord,
+    pieces: Pieces,
+    orders: Orders,
+    rules: RulesRecord,
+    cells: Cells,
 ) -> bool:
     """A guided shot, if it is legal now."""
     orders[i].partner = chariot
@@ -66,7 +111,7 @@ def give_guided(
 
 
 @kernel
-def may_turn_back(piece: Row, tick: int) -> bool:
+def may_turn_back(piece: PieceRecord, tick: int) -> bool:
     """A stop would make the piece stand in its cell: it waits, or is in the first half of a hop."""
     if not has_path(piece) or piece.stop_pending == 1:
         return False
@@ -74,7 +119,7 @@ def may_turn_back(piece: Row, tick: int) -> bool:
 
 
 @kernel
-def may_occupy(i: int, game: Row, pieces: Rows, memory: Rows, cells: Rows) -> bool:
+def may_occupy(i: PieceIndex, game: GameRecord, pieces: Pieces, memory: Memory, cells: Cells) -> bool:
     """Piece i stands on a control point that it can take: no enemy is seen there or beside it."""
     piece = pieces[i]
     if occupy_code(piece, game) != Code.OK:
@@ -83,7 +128,7 @@ def may_occupy(i: int, game: Row, pieces: Rows, memory: Rows, cells: Rows) -> bo
 
 
 @kernel
-def has_flying_round(i: int, rounds: Rows) -> bool:
+def has_flying_round(i: PieceIndex, rounds: Rounds) -> bool:
     """A mortar round of piece i is in the air; a move would lose it."""
     for r in range(rounds.size):
         if rounds[r].owner == i and rounds[r].status == ROUND_FLYING:
@@ -92,9 +137,9 @@ def has_flying_round(i: int, rounds: Rows) -> bool:
 
 
 @kernel
-def is_own_in(camp: int, cell: int, game: Row, pieces: Rows) -> bool:
+def is_own_in(camp: CampIndex, cell: CellIndex, game: GameRecord, pieces: Pieces) -> bool:
     """An own ground piece stands in a cell."""
-    for i in range(first_piece(camp, game), end_piece(camp, game)):
+    for i in piece_range(first_piece(camp, game), end_piece(camp, game)):
         if stands_in(pieces[i], cell):
             return True
     return False
@@ -102,7 +147,14 @@ def is_own_in(camp: int, cell: int, game: Row, pieces: Rows) -> bool:
 
 @kernel
 def task_action(
-    i: int, game: Row, pieces: Rows, memory: Rows, orders: Rows, plans: Rows, rules: Row, cells: Rows
+    i: PieceIndex,
+    game: GameRecord,
+    pieces: Pieces,
+    memory: Memory,
+    orders: Orders,
+    plans: Plans,
+    rules: RulesRecord,
+    cells: Cells,
 ) -> bool:
     """The action of piece i's task, ordered if it is legal now and the piece is at its place.
 
@@ -132,8 +184,8 @@ def task_action(
 
 @kernel
 def phi(
-    i: int, answer: int, game: Row, pieces: Rows, memory: Rows, orders: Rows, plans: Rows, rules: Row,
-    cells: Rows,
+    i: PieceIndex, answer: int, game: GameRecord, pieces: Pieces, memory: Memory, orders: Orders, plans: Plans, rules: RulesRecord,
+    cells: Cells,
 ) -> bool:  # fmt: skip
     """Order for a task and an answer, eq. (2): the task's action for 0, else one hop in direction answer - 1.
 

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from hexwar_sb3.engine.pieces import has_path, on_map, weapon_ammo
-from hexwar_sb3.engine.records import NO_PIECE
-from hexwar_sb3.kernels import Row, Rows, kernel
+from hexwar_sb3.engine.records import NO_PIECE, GameRecord, Memory, PieceRecord, Pieces
+from hexwar_sb3.kernels import kernel
+from hexwar_sb3.rules.compiled import RulesRecord
 from hexwar_sb3.rules.enums import Weapon
+from hexwar_sb3.rules.indices import PieceIndex
 from hexwar_sb3.tasks.known import can_hurt, is_known
-from hexwar_sb3.tasks.records import ENDED, TaskKind
+from hexwar_sb3.tasks.records import ENDED, PlanRecord, Plans, TaskKind
 from hexwar_sb3.tasks.sets import has_launcher
 
 
@@ -23,7 +25,7 @@ def is_at_target(kind: int) -> bool:
 
 
 @kernel
-def can_end(piece: Row, plan: Row) -> bool:
+def can_end(piece: PieceRecord, plan: PlanRecord) -> bool:
     """Holding and hiding never end while the piece is on the map."""
     if plan.state == ENDED:
         return False
@@ -31,7 +33,9 @@ def can_end(piece: Row, plan: Row) -> bool:
 
 
 @kernel
-def is_over(i: int, game: Row, pieces: Rows, memory: Rows, plans: Rows, rules: Row) -> bool:
+def is_over(
+    i: PieceIndex, game: GameRecord, pieces: Pieces, memory: Memory, plans: Plans, rules: RulesRecord
+) -> bool:
     """The task is done, or has become impossible."""
     piece = pieces[i]
     plan = plans[i]
@@ -56,7 +60,9 @@ def is_over(i: int, game: Row, pieces: Rows, memory: Rows, plans: Rows, rules: R
 
 
 @kernel
-def end_task(i: int, game: Row, pieces: Rows, memory: Rows, plans: Rows, rules: Row) -> None:
+def end_task(
+    i: PieceIndex, game: GameRecord, pieces: Pieces, memory: Memory, plans: Plans, rules: RulesRecord
+) -> None:
     """Mark a task that is over; the piece then stays where it is."""
     if is_over(i, game, pieces, memory, plans, rules):
         plans[i].state = ENDED

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from enum import IntEnum
+from typing import TypeAlias
 
 import numpy as np
 
-from hexwar_sb3.engine.fields import Field, dtype_of
 from hexwar_sb3.engine.records import NO_CELL, NO_PIECE
+from hexwar_sb3.records import F4, I1, I2, Table, Vector, dtype_of, within
+from hexwar_sb3.rules.indices import CellIndex, PieceIndex
 
 MAX_TASKS = 40  # K_max: rows of a task set
 
@@ -30,25 +32,39 @@ class TaskKind(IntEnum):
 WALKING, STAYING, ENDED = 0, 1, 2
 MOST_VALUE = 1e6  # of a shot, points; no rule set comes near
 
-TASK = np.dtype([("kind", "i1"), ("target", "i1"), ("cell", "i2")], align=True)
-"""One row of a task set: cell for HOLD, HIDE, DROP (map frame), target for the piece tasks, else -1."""
 
-PLAN_FIELDS = (
-    Field("kind", "i1", 0, TaskKind.RECOVER),  # TaskKind
-    Field("target", "i1", NO_PIECE, "last_piece"),  # piece; NO_PIECE
-    Field("state", "i1", WALKING, ENDED),  # WALKING, STAYING, ENDED
+class TaskRecord:
+    """One row of a task set: cell for HOLD, HIDE, DROP (map frame), target for the piece tasks, else -1."""
+
+    kind: I1[int]
+    target: I1[PieceIndex]
+    cell: I2[CellIndex]
+
+
+TASK = dtype_of(TaskRecord)
+Tasks: TypeAlias = Vector[int, TaskRecord]  # a task set
+TaskSets: TypeAlias = Table[int, int, TaskRecord]  # of a camp: [slot, row]
+
+
+class PlanRecord:
+    """The task under way of a piece, and the style in which it is done."""
+
+    kind: I1[int] = within(0, TaskKind.RECOVER)  # TaskKind
+    target: I1[PieceIndex] = within(NO_PIECE, "last_piece")  # piece; NO_PIECE
+    state: I1[int] = within(WALKING, ENDED)  # WALKING, STAYING, ENDED
     # last answer of the lower level: 0 stay and perform, else direction + 1
-    Field("direction", "i1", 0, 6),
-    Field("hold_fire", "i1", 0, 1),  # 1: no fire of opportunity
-    Field("covered", "i1", 0, 1),  # 1: prefer covered routes (bots)
-    Field("cell", "i2", NO_CELL, "last_cell"),  # of HOLD, HIDE, DROP; NO_CELL
-    Field("goal", "i2", NO_CELL, "last_cell"),  # the right place as last resolved; NO_CELL
-    Field("chosen_at", "i2", -1, "tick"),
-    Field("asked_at", "i2", -1, "tick"),  # tick at which the lower level was last asked
+    direction: I1[int] = within(0, 6)
+    hold_fire: I1[int] = within(0, 1)  # 1: no fire of opportunity
+    covered: I1[int] = within(0, 1)  # 1: prefer covered routes (bots)
+    cell: I2[CellIndex] = within(NO_CELL, "last_cell")  # of HOLD, HIDE, DROP; NO_CELL
+    goal: I2[CellIndex] = within(NO_CELL, "last_cell")  # the right place as last resolved; NO_CELL
+    chosen_at: I2[int] = within(-1, "tick")
+    asked_at: I2[int] = within(-1, "tick")  # tick at which the lower level was last asked
     # fire of opportunity from this expected value on, points
-    Field("fire_value", "f4", 0, MOST_VALUE),
+    fire_value: F4[float] = within(0, MOST_VALUE)
     # a moving piece that may not fire on the move stops for a shot of this value; infinite: for none
-    Field("stop_value", "f4", 0, MOST_VALUE, (), (np.inf,)),
-)
-PLAN = dtype_of(PLAN_FIELDS)
-"""plans[P]: the task under way of every piece, and the style in which it is done."""
+    stop_value: F4[float] = within(0, MOST_VALUE, also=(np.inf,))
+
+
+PLAN = dtype_of(PlanRecord)
+Plans: TypeAlias = Vector[PieceIndex, PlanRecord]  # of one game

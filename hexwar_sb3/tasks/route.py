@@ -10,9 +10,11 @@ from __future__ import annotations
 import numpy as np
 
 from hexwar_sb3.engine.pieces import hop_from
-from hexwar_sb3.kernels import Row, Rows, kernel
-from hexwar_sb3.maps.cells import NO_CELL
+from hexwar_sb3.kernels import Rows, kernel
+from hexwar_sb3.maps.cells import NO_CELL, Cells, TravelTimes
 from hexwar_sb3.maps.geometry import cells_apart, frame_direction
+from hexwar_sb3.rules.compiled import RulesRecord
+from hexwar_sb3.rules.indices import CampIndex, CellIndex
 from hexwar_sb3.tasks.features import MOST, PER_DETOUR, PER_HOP, PER_LEVEL, ROUTE_WIDTH
 from hexwar_sb3.tasks.task_rows import N_TASKS, N_TYPES, put_way
 from hexwar_sb3.tasks.travel import UNREACHABLE, travel_ticks
@@ -27,7 +29,7 @@ _PER_NEIGHBOUR = 9
 
 @kernel
 def observe_route(
-    kind: int, camp: int, task: int, cell: int, goal: int, ways: bool, rules: Row, cells: Rows, eta: Rows,
+    kind: int, camp: CampIndex, task: int, cell: CellIndex, goal: CellIndex, ways: bool, rules: RulesRecord, cells: Cells, eta: TravelTimes,
     out: Rows, mask: Rows,
 ) -> None:  # fmt: skip
     """Write the state of the lower level and its valid answers (III-A, "State representation").
@@ -68,7 +70,14 @@ def observe_route(
 
 @kernel
 def _put_neighbour(
-    out: Rows, at: int, kind: int, cell: int, direction: int, goal: int, rules: Row, cells: Rows
+    out: Rows,
+    at: int,
+    kind: int,
+    cell: CellIndex,
+    direction: int,
+    goal: CellIndex,
+    rules: RulesRecord,
+    cells: Cells,
 ) -> int:
     """Properties of the cell in a direction; the ticks of the hop there, 0 if there is none."""
     beside = cells[cell].neighbour[direction]
@@ -86,7 +95,9 @@ def _put_neighbour(
 
 
 @kernel
-def has_way(kind: int, cell: int, goal: int, rules: Row, cells: Rows, eta: Rows) -> bool:
+def has_way(
+    kind: int, cell: CellIndex, goal: CellIndex, rules: RulesRecord, cells: Cells, eta: TravelTimes
+) -> bool:
     """A piece of this type can get from a cell to the goal."""
     return travel_ticks(kind, cell, goal, rules, cells, eta) < UNREACHABLE
 

@@ -11,11 +11,14 @@ import numpy as np
 from hexwar_sb3.engine.codes import Code
 from hexwar_sb3.engine.legality import decompress_code
 from hexwar_sb3.engine.pieces import in_fight, is_ground, on_map, weapon_ammo
-from hexwar_sb3.engine.records import MAX_SIDE, NO_CELL, NO_PIECE
-from hexwar_sb3.kernels import Row, Rows, kernel
+from hexwar_sb3.engine.records import MAX_SIDE, NO_CELL, NO_PIECE, GameRecord, Memory, Pieces
+from hexwar_sb3.kernels import Rows, kernel
+from hexwar_sb3.maps.cells import Cells, TravelTimes
+from hexwar_sb3.rules.compiled import RulesRecord
 from hexwar_sb3.rules.enums import PieceType, Weapon
+from hexwar_sb3.rules.indices import CampIndex, CellIndex, PieceIndex, piece_range
 from hexwar_sb3.tasks.known import can_hurt, end_piece, first_piece, is_known
-from hexwar_sb3.tasks.records import TaskKind
+from hexwar_sb3.tasks.records import TaskKind, Tasks, TaskSets
 from hexwar_sb3.tasks.travel import UNREACHABLE, travel_ticks
 
 _KIND, _TARGET, _CELL, _TICKS = range(4)  # columns of a draft
@@ -26,8 +29,8 @@ _OTHERS = 2  # stop, recover
 
 @kernel
 def list_tasks(
-    camp: int, game: Row, pieces: Rows, memory: Rows, rules: Row, cells: Rows, eta: Rows, spots: Rows,
-    tasks: Rows, mask: Rows,
+    camp: CampIndex, game: GameRecord, pieces: Pieces, memory: Memory, rules: RulesRecord, cells: Cells, eta: TravelTimes, spots: Rows,
+    tasks: TaskSets, mask: Rows,
 ) -> None:  # fmt: skip
     """Write the task sets of a camp.
 
@@ -40,17 +43,19 @@ def list_tasks(
     draft = np.empty((_OTHERS + _SPOT_KINDS * spots.shape[1] + _PIECE_KINDS * MAX_SIDE, 4), np.int16)
     for n in range(end_piece(camp, game) - first):
         count = _add(draft, 0, TaskKind.STOP, NO_PIECE, NO_CELL, 0)
-        if on_map(pieces[first + n]):
-            count = _list_own(first + n, game, pieces, rules, draft, count)
-            count = _list_spots(first + n, pieces, rules, cells, eta, spots[camp], draft, count)
-            count = _list_targets(first + n, game, pieces, memory, rules, cells, eta, draft, count)
-            count = _list_carriers(first + n, game, pieces, rules, cells, eta, draft, count)
+        if on_map(pieces[PieceIndex(first + n)]):
+            count = _list_own(PieceIndex(first + n), game, pieces, rules, draft, count)
+            count = _list_spots(PieceIndex(first + n), pieces, rules, cells, eta, spots[camp], draft, count)
+            count = _list_targets(
+                PieceIndex(first + n), game, pieces, memory, rules, cells, eta, draft, count
+            )
+            count = _list_carriers(PieceIndex(first + n), game, pieces, rules, cells, eta, draft, count)
         count = shorten(draft, count, tasks.shape[1])
         _write(draft, count, tasks[n], mask[n])
 
 
 @kernel
-def _add(draft: Rows, count: int, kind: int, target: int, cell: int, ticks: int) -> int:
+def _add(draft: Rows, count: int, kind: int, target: PieceIndex, cell: CellIndex, ticks: int) -> int:
     """Append one row to a draft; the new number of rows."""
     draft[count, _KIND] = kind
     draft[count, _TARGET] = target
@@ -60,7 +65,9 @@ def _add(draft: Rows, count: int, kind: int, target: int, cell: int, ticks: int)
 
 
 @kernel
-def _list_own(i: int, game: Row, pieces: Rows, rules: Row, draft: Rows, count: int) -> int:
+def _list_own(
+    i: PieceIndex, game: GameRecord, pieces: Pieces, rules: RulesRecord, draft: Rows, count: int
+) -> int:
     """Recover, only where it is legal now."""
     if decompress_code(pieces[i], game, rules) == Code.OK and not in_fight(game, pieces[i]):
         count = _add(draft, count, TaskKind.RECOVER, NO_PIECE, NO_CELL, 0)
@@ -69,7 +76,14 @@ def _list_own(i: int, game: Row, pieces: Rows, rules: Row, draft: Rows, count: i
 
 @kernel
 def _list_spots(
-    i: int, pieces: Rows, rules: Row, cells: Rows, eta: Rows, spots: Rows, draft: Rows, count: int
+    i: PieceIndex,
+    pieces: Pieces,
+    rules: RulesRecord,
+    cells: Cells,
+    eta: TravelTimes,
+    spots: Rows,
+    draft: Rows,
+    count: int,
 ) -> int:
     """Hold, hide and drop at every spot that the piece can reach."""
     piece = pieces[i]
@@ -86,12 +100,12 @@ def _list_spots(
 
 
 @kernel
-def has_launcher(i: int, game: Row, pieces: Rows, rules: Row) -> bool:
+def has_launcher(i: PieceIndex, game: GameRecord, pieces: Pieces, rules: RulesRecord) -> bool:
     """Some own chariot has a heavy missile that piece i may guide."""
     piece = pieces[i]
     if piece.kind != PieceType.SOLDIER and piece.kind != PieceType.AEROCRAFT:
         return False
-    for c in range(first_piece(piece.camp, game), end_piece(piece.camp, game)):
+    for c in piece_range(first_piece(piece.camp, game), end_piece(piece.camp, game)):
         fits = piece.kind == PieceType.AEROCRAFT or piece.home == c
         if fits and pieces[c].blood > 0 and weapon_ammo(pieces[c], Weapon.HEAVY, rules) > 0:
             return True
@@ -99,7 +113,9 @@ def has_launcher(i: int, game: Row, pieces: Rows, rules: Row) -> bool:
 
 
 @kernel
-def _fits(kind: int, i: int, j: int, launcher: bool, pieces: Rows, rules: Row) -> bool:
+def _fits(
+    kind: int, i: PieceIndex, j: PieceIndex, launcher: bool, pieces: Pieces, rules: RulesRecord
+) -> bool:
     """May piece i have this task against enemy j (architecture.md, table of section 3)?"""
     target = pieces[j].kind
     if kind == TaskKind.ATTACK:
@@ -113,13 +129,23 @@ def _fits(kind: int, i: int, j: int, launcher: bool, pieces: Rows, rules: Row) -
 
 @kernel
 def _list_targets(
-    i: int, game: Row, pieces: Rows, memory: Rows, rules: Row, cells: Rows, eta: Rows, draft: Rows, count: int
+    i: PieceIndex,
+    game: GameRecord,
+    pieces: Pieces,
+    memory: Memory,
+    rules: RulesRecord,
+    cells: Cells,
+    eta: TravelTimes,
+    draft: Rows,
+    count: int,
 ) -> int:
     """Attack, guide, bombard and shadow, for every enemy that is known."""
     piece = pieces[i]
     launcher = has_launcher(i, game, pieces, rules)
     for kind in (TaskKind.ATTACK, TaskKind.GUIDE, TaskKind.BOMBARD, TaskKind.SHADOW):
-        for j in range(first_piece(1 - piece.camp, game), end_piece(1 - piece.camp, game)):
+        for j in piece_range(
+            first_piece(CampIndex(1 - piece.camp), game), end_piece(CampIndex(1 - piece.camp), game)
+        ):
             known = memory[piece.camp, j]
             if is_known(known) and _fits(kind, i, j, launcher, pieces, rules):
                 ticks = travel_ticks(piece.kind, piece.cell, known.cell, rules, cells, eta)
@@ -129,13 +155,20 @@ def _list_targets(
 
 @kernel
 def _list_carriers(
-    i: int, game: Row, pieces: Rows, rules: Row, cells: Rows, eta: Rows, draft: Rows, count: int
+    i: PieceIndex,
+    game: GameRecord,
+    pieces: Pieces,
+    rules: RulesRecord,
+    cells: Cells,
+    eta: TravelTimes,
+    draft: Rows,
+    count: int,
 ) -> int:
     """Board, for a soldier and every own chariot that is empty."""
     piece = pieces[i]
     if piece.kind != PieceType.SOLDIER:
         return count
-    for c in range(first_piece(piece.camp, game), end_piece(piece.camp, game)):
+    for c in piece_range(first_piece(piece.camp, game), end_piece(piece.camp, game)):
         carrier = pieces[c]
         if carrier.kind == PieceType.CHARIOT and carrier.blood > 0 and carrier.passenger == NO_PIECE:
             ticks = travel_ticks(piece.kind, piece.cell, carrier.cell, rules, cells, eta)
@@ -170,7 +203,7 @@ def _farthest(draft: Rows, count: int, shadow: bool) -> int:
 
 
 @kernel
-def _write(draft: Rows, count: int, tasks: Rows, mask: Rows) -> None:
+def _write(draft: Rows, count: int, tasks: Tasks, mask: Rows) -> None:
     """Copy a draft into one piece's rows, and clear the rows behind it."""
     for row in range(tasks.size):
         task = tasks[row]

@@ -10,11 +10,13 @@ from hexwar_sb3.engine.codes import Code
 from hexwar_sb3.engine.fire import clamp
 from hexwar_sb3.engine.legality import may_fire_now
 from hexwar_sb3.engine.pieces import in_fight, in_motion, is_settled, on_map, weapon_ammo
-from hexwar_sb3.engine.records import NEVER, NO_PIECE
-from hexwar_sb3.kernels import Row, Rows, kernel
+from hexwar_sb3.engine.records import NEVER, NO_PIECE, GameRecord, Memory, Orders, PieceRecord, Pieces
+from hexwar_sb3.kernels import Rows, kernel
+from hexwar_sb3.maps.cells import Cells
 from hexwar_sb3.maps.geometry import cells_apart
-from hexwar_sb3.rules.compiled import LEAST_MODIFIER, LEAST_RESULT
+from hexwar_sb3.rules.compiled import LEAST_MODIFIER, LEAST_RESULT, RulesRecord
 from hexwar_sb3.rules.enums import Action, PieceType, Weapon
+from hexwar_sb3.rules.indices import CampIndex, CellIndex, PieceIndex, piece_range, point_range
 from hexwar_sb3.tasks.known import end_piece, first_piece, known_in, level_from, sees_itself
 
 NO_WEAPON = -1
@@ -31,7 +33,7 @@ _NOTHING = 0 - LEAST_RESULT  # column of "suppressed" in the odds tables; n loss
 
 @kernel
 def chance(
-    weapon: int, blood: int, level: int, mods: int, target_kind: int, result: int, rules: Row
+    weapon: int, blood: int, level: int, mods: int, target_kind: int, result: int, rules: RulesRecord
 ) -> float:
     """Chance of one result of a shot: 0 suppressed, n losses (section 7).
 
@@ -54,7 +56,7 @@ def chance(
 @kernel
 def expected_value(
     weapon: int, blood: int, level: int, mods: int, target_kind: int, target_blood: int, bonus: bool,
-    rules: Row,
+    rules: RulesRecord,
 ) -> float:  # fmt: skip
     """Expected points of a shot; with `bonus` also half a unit's value for the chance to destroy."""
     light = SOLDIER_SUPPRESSED if target_kind == PieceType.SOLDIER else VEHICLE_SUPPRESSED
@@ -72,7 +74,7 @@ def expected_value(
 
 @kernel
 def median_loss(
-    weapon: int, blood: int, level: int, mods: int, target_kind: int, target_blood: int, rules: Row
+    weapon: int, blood: int, level: int, mods: int, target_kind: int, target_blood: int, rules: RulesRecord
 ) -> int:
     """Losses that a shot causes with a chance of at least one half."""
     loss = 0
@@ -86,7 +88,15 @@ def median_loss(
 
 
 @kernel
-def target_mods(camp: int, j: int, game: Row, pieces: Rows, memory: Rows, rules: Row, cells: Rows) -> int:
+def target_mods(
+    camp: CampIndex,
+    j: PieceIndex,
+    game: GameRecord,
+    pieces: Pieces,
+    memory: Memory,
+    rules: RulesRecord,
+    cells: Cells,
+) -> int:
     """Modifiers of a shot that come from the target, as the camp knows it."""
     known = memory[camp, j]
     mods = 0
@@ -102,7 +112,7 @@ def target_mods(camp: int, j: int, game: Row, pieces: Rows, memory: Rows, rules:
 
 
 @kernel
-def shooter_mods(piece: Row, settled: bool, rules: Row) -> int:
+def shooter_mods(piece: PieceRecord, settled: bool, rules: RulesRecord) -> int:
     """Modifiers of a shot that come from the shooter; `settled`: as if it stood still."""
     mods = 0
     if piece.suppressed:
@@ -113,9 +123,9 @@ def shooter_mods(piece: Row, settled: bool, rules: Row) -> int:
 
 
 @kernel
-def is_objective(camp: int, cell: int, game: Row, cells: Rows) -> bool:
+def is_objective(camp: CampIndex, cell: CellIndex, game: GameRecord, cells: Cells) -> bool:
     """Within one cell of a control point that is not the camp's own."""
-    for k in range(game.n_points):
+    for k in point_range(game.n_points):
         if game.point_owner[k] != camp and cells_apart(cells, cell, game.point_cell[k]) <= 1:
             return True
     return False
@@ -123,8 +133,8 @@ def is_objective(camp: int, cell: int, game: Row, cells: Rows) -> bool:
 
 @kernel
 def shot_value(
-    i: int, j: int, weapon: int, settled: bool, allotted: Rows,
-    game: Row, pieces: Rows, memory: Rows, rules: Row, cells: Rows,
+    i: PieceIndex, j: PieceIndex, weapon: int, settled: bool, allotted: Rows,
+    game: GameRecord, pieces: Pieces, memory: Memory, rules: RulesRecord, cells: Cells,
 ) -> float:  # fmt: skip
     """Expected points of a shot of piece i at known enemy j, with all bonuses; 0: no level.
 
@@ -144,16 +154,16 @@ def shot_value(
 
 
 @kernel
-def can_aim(i: int, j: int, game: Row, pieces: Rows) -> bool:
+def can_aim(i: PieceIndex, j: PieceIndex, game: GameRecord, pieces: Pieces) -> bool:
     """Piece i itself sees enemy j, and j is not in close combat."""
     return sees_itself(pieces[i], j) and not in_fight(game, pieces[j])
 
 
 @kernel
 def best_shot(
-    i: int, only: int, settled: bool, allotted: Rows,
-    game: Row, pieces: Rows, memory: Rows, rules: Row, cells: Rows,
-) -> tuple[float, int, int]:  # fmt: skip
+    i: PieceIndex, only: PieceIndex, settled: bool, allotted: Rows,
+    game: GameRecord, pieces: Pieces, memory: Memory, rules: RulesRecord, cells: Cells,
+) -> tuple[float, PieceIndex, int]:  # fmt: skip
     """The shot of greatest value that piece i may fire in this step, or might fire if it stood.
 
     Args:
@@ -171,8 +181,8 @@ def best_shot(
         return best, target, with_weapon
     if (piece.cool_ends != NEVER and not settled) or is_pinned(piece):
         return best, target, with_weapon
-    enemy = 1 - piece.camp
-    for j in range(first_piece(enemy, game), end_piece(enemy, game)):
+    enemy = CampIndex(1 - piece.camp)
+    for j in piece_range(first_piece(enemy, game), end_piece(enemy, game)):
         if (only != NO_PIECE and j != only) or not can_aim(i, j, game, pieces):
             continue
         for weapon in range(rules.pool.shape[1]):
@@ -187,15 +197,15 @@ def best_shot(
 
 
 @kernel
-def is_pinned(piece: Row) -> bool:
+def is_pinned(piece: PieceRecord) -> bool:
     """Suppressed soldiers cannot fire."""
     return piece.suppressed == 1 and piece.kind == PieceType.SOLDIER
 
 
 @kernel
 def expect_loss(
-    i: int, j: int, weapon: int, allotted: Rows, game: Row, pieces: Rows, memory: Rows, rules: Row,
-    cells: Rows,
+    i: PieceIndex, j: PieceIndex, weapon: int, allotted: Rows, game: GameRecord, pieces: Pieces, memory: Memory, rules: RulesRecord,
+    cells: Cells,
 ) -> None:  # fmt: skip
     """Allot the median loss of a shot of piece i to enemy j, so that the next shooter knows of it."""
     piece = pieces[i]
@@ -208,7 +218,7 @@ def expect_loss(
 
 
 @kernel
-def may_guide(i: int, game: Row, pieces: Rows) -> bool:
+def may_guide(i: PieceIndex, game: GameRecord, pieces: Pieces) -> bool:
     """Piece i is ready to guide a missile, whatever the chariot and the target (section 4)."""
     piece = pieces[i]
     if piece.kind != PieceType.SOLDIER and piece.kind != PieceType.AEROCRAFT:
@@ -218,7 +228,7 @@ def may_guide(i: int, game: Row, pieces: Rows) -> bool:
 
 
 @kernel
-def may_launch(i: int, c: int, game: Row, pieces: Rows, rules: Row) -> bool:
+def may_launch(i: PieceIndex, c: PieceIndex, game: GameRecord, pieces: Pieces, rules: RulesRecord) -> bool:
     """Chariot c is ready to launch for guider i."""
     chariot = pieces[c]
     if chariot.kind != PieceType.CHARIOT or not on_map(chariot) or chariot.cool_ends != NEVER:
@@ -232,9 +242,9 @@ def may_launch(i: int, c: int, game: Row, pieces: Rows, rules: Row) -> bool:
 
 @kernel
 def best_guided(
-    i: int, only: int, taken: int, allotted: Rows,
-    game: Row, pieces: Rows, memory: Rows, orders: Rows, rules: Row, cells: Rows,
-) -> tuple[float, int, int]:  # fmt: skip
+    i: PieceIndex, only: PieceIndex, taken: int, allotted: Rows,
+    game: GameRecord, pieces: Pieces, memory: Memory, orders: Orders, rules: RulesRecord, cells: Cells,
+) -> tuple[float, PieceIndex, PieceIndex]:  # fmt: skip
     """The guided shot of greatest value that piece i may order in this step (section 8).
 
     Args:
@@ -248,11 +258,11 @@ def best_guided(
     if pieces[i].sees == 0 or not may_guide(i, game, pieces):
         return best, target, launcher
     camp = pieces[i].camp
-    for c in range(first_piece(camp, game), end_piece(camp, game)):
+    for c in piece_range(first_piece(camp, game), end_piece(camp, game)):
         free = (taken >> c) & 1 == 0 and orders[c].kind == Action.NULL
         if not free or not may_launch(i, c, game, pieces, rules):
             continue
-        for j in range(first_piece(1 - camp, game), end_piece(1 - camp, game)):
+        for j in piece_range(first_piece(CampIndex(1 - camp), game), end_piece(CampIndex(1 - camp), game)):
             vehicle = pieces[j].kind == PieceType.TANK or pieces[j].kind == PieceType.CHARIOT
             if not vehicle or (only != NO_PIECE and j != only) or not can_aim(i, j, game, pieces):
                 continue

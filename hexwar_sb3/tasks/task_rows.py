@@ -7,10 +7,13 @@ import numpy as np
 from hexwar_sb3.engine.codes import Code
 from hexwar_sb3.engine.legality import get_off_code, get_on_code, indirect_code, point_at
 from hexwar_sb3.engine.pieces import has_path, in_fight
-from hexwar_sb3.engine.records import MAX_PIECES, NO_CELL, NO_PIECE
-from hexwar_sb3.kernels import Row, Rows, kernel
+from hexwar_sb3.engine.records import MAX_PIECES, NO_CELL, NO_PIECE, GameRecord, Memory, PieceRecord, Pieces
+from hexwar_sb3.kernels import Rows, kernel
+from hexwar_sb3.maps.cells import Cells, Sightlines, TravelTimes
 from hexwar_sb3.maps.geometry import cells_apart, frame_cell
+from hexwar_sb3.rules.compiled import RulesRecord
 from hexwar_sb3.rules.enums import PieceType, Weapon
+from hexwar_sb3.rules.indices import CampIndex, CellIndex, PieceIndex, piece_range
 from hexwar_sb3.tasks.bombard import mortar_value
 from hexwar_sb3.tasks.features import (
     BOUND,
@@ -33,7 +36,7 @@ from hexwar_sb3.tasks.known import (
     sees_itself,
     would_see,
 )
-from hexwar_sb3.tasks.records import TaskKind
+from hexwar_sb3.tasks.records import PlanRecord, Plans, TaskKind, TaskRecord, Tasks
 from hexwar_sb3.tasks.shots import best_shot, can_aim, may_guide, may_launch, shot_value
 from hexwar_sb3.tasks.travel import travel_ticks
 
@@ -48,7 +51,7 @@ def bounded(value: float) -> float:
 
 
 @kernel
-def put_way(out: Rows, at: int, camp: int, start: int, goal: int, cells: Rows) -> None:
+def put_way(out: Rows, at: int, camp: CampIndex, start: CellIndex, goal: CellIndex, cells: Cells) -> None:
     """dx, dy in the camp's frame, and the distance."""
     a, b = cells[frame_cell(cells, start, camp)], cells[frame_cell(cells, goal, camp)]
     out[at] = (int(b.x) - int(a.x)) * PER_CELL
@@ -58,8 +61,8 @@ def put_way(out: Rows, at: int, camp: int, start: int, goal: int, cells: Rows) -
 
 @kernel
 def write_rows(
-    i: int, game: Row, pieces: Rows, memory: Rows, plans: Rows, rules: Row, cells: Rows, los: Rows, eta: Rows,
-    tasks: Rows, mask: Rows, rows: Rows,
+    i: PieceIndex, game: GameRecord, pieces: Pieces, memory: Memory, plans: Plans, rules: RulesRecord, cells: Cells, los: Sightlines, eta: TravelTimes,
+    tasks: Tasks, mask: Rows, rows: Rows,
 ) -> None:  # fmt: skip
     """Write the rows of piece i: tasks [K], mask [K] -> rows [K, Dt], which are 0 before."""
     piece = pieces[i]
@@ -83,38 +86,38 @@ def write_rows(
 
 
 @kernel
-def is_same(task: Row, plan: Row) -> bool:
+def is_same(task: TaskRecord, plan: PlanRecord) -> bool:
     """The plan is to do this very task."""
     return task.kind == plan.kind and task.target == plan.target and task.cell == plan.cell
 
 
 @kernel
-def place_of(task: Row, piece: Row, pieces: Rows, memory: Rows) -> int:
+def place_of(task: TaskRecord, piece: PieceRecord, pieces: Pieces, memory: Memory) -> CellIndex:
     """The task's cell, or where its target was last seen, or the piece's own cell."""
     if task.cell != NO_CELL:
-        return int(task.cell)
+        return CellIndex(task.cell)
     if task.target == NO_PIECE:
-        return int(piece.cell)
+        return CellIndex(piece.cell)
     if pieces[task.target].camp == piece.camp:
-        return int(pieces[task.target].cell)
-    return int(memory[piece.camp, task.target].cell)
+        return CellIndex(pieces[task.target].cell)
+    return CellIndex(memory[piece.camp, task.target].cell)
 
 
 @kernel
-def others_on(i: int, task: Row, game: Row, pieces: Rows, plans: Rows) -> int:
+def others_on(i: PieceIndex, task: TaskRecord, game: GameRecord, pieces: Pieces, plans: Plans) -> int:
     """Other living pieces of the camp with the same kind of task and the same target or cell."""
     if task.target == NO_PIECE and task.cell == NO_CELL:
         return 0
     count = 0
     camp = pieces[i].camp
-    for k in range(first_piece(camp, game), end_piece(camp, game)):
+    for k in piece_range(first_piece(camp, game), end_piece(camp, game)):
         if k != i and pieces[k].blood > 0 and is_same(task, plans[k]):
             count += 1
     return count
 
 
 @kernel
-def _put_place(out: Rows, at: int, camp: int, cell: int, game: Row, cells: Rows) -> int:
+def _put_place(out: Rows, at: int, camp: CampIndex, cell: CellIndex, game: GameRecord, cells: Cells) -> int:
     point = point_at(cell, game)
     if point >= 0:
         out[at] = game.point_value[point] * PER_POINT
@@ -127,8 +130,8 @@ def _put_place(out: Rows, at: int, camp: int, cell: int, game: Row, cells: Rows)
 
 @kernel
 def _put_target(
-    out: Rows, at: int, i: int, j: int, game: Row, pieces: Rows, memory: Rows, rules: Row, cells: Rows,
-    los: Rows,
+    out: Rows, at: int, i: PieceIndex, j: PieceIndex, game: GameRecord, pieces: Pieces, memory: Memory, rules: RulesRecord, cells: Cells,
+    los: Sightlines,
 ) -> None:  # fmt: skip
     """An enemy as the camp knows it; the column of the action's value is left out."""
     piece, kind = pieces[i], pieces[j].kind
@@ -150,7 +153,13 @@ def _put_target(
 
 @kernel
 def _action(
-    i: int, task: Row, game: Row, pieces: Rows, memory: Rows, rules: Row, cells: Rows
+    i: PieceIndex,
+    task: TaskRecord,
+    game: GameRecord,
+    pieces: Pieces,
+    memory: Memory,
+    rules: RulesRecord,
+    cells: Cells,
 ) -> tuple[bool, float]:
     """Whether the task's action is legal from here and now, and what it is worth in points."""
     piece = pieces[i]
@@ -177,7 +186,13 @@ def _action(
 
 @kernel
 def _direct(
-    i: int, j: int, game: Row, pieces: Rows, memory: Rows, rules: Row, cells: Rows
+    i: PieceIndex,
+    j: PieceIndex,
+    game: GameRecord,
+    pieces: Pieces,
+    memory: Memory,
+    rules: RulesRecord,
+    cells: Cells,
 ) -> tuple[bool, float]:
     if not sees_itself(pieces[i], j):
         return False, 0.0
@@ -189,14 +204,20 @@ def _direct(
 
 @kernel
 def _guided(
-    i: int, j: int, game: Row, pieces: Rows, memory: Rows, rules: Row, cells: Rows
+    i: PieceIndex,
+    j: PieceIndex,
+    game: GameRecord,
+    pieces: Pieces,
+    memory: Memory,
+    rules: RulesRecord,
+    cells: Cells,
 ) -> tuple[bool, float]:
     if not can_aim(i, j, game, pieces):
         return False, 0.0
     allotted = np.zeros(MAX_PIECES, np.int64)
     ready = may_guide(i, game, pieces)
     now, best = False, 0.0
-    for c in range(first_piece(pieces[i].camp, game), end_piece(pieces[i].camp, game)):
+    for c in piece_range(first_piece(pieces[i].camp, game), end_piece(pieces[i].camp, game)):
         if may_launch(i, c, game, pieces, rules):
             value = shot_value(c, j, Weapon.HEAVY, True, allotted, game, pieces, memory, rules, cells)
             now = now or (ready and value > 0.0)

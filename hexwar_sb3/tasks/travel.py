@@ -3,17 +3,22 @@
 from __future__ import annotations
 
 from hexwar_sb3.engine.pieces import hop_from
-from hexwar_sb3.kernels import Row, Rows, kernel
+from hexwar_sb3.kernels import kernel
+from hexwar_sb3.maps.cells import Cells, TravelTimes
 from hexwar_sb3.maps.geometry import NO_DIRECTION, cells_apart, frame_direction
 from hexwar_sb3.maps.travel import TOO_FAR
+from hexwar_sb3.rules.compiled import RulesRecord
 from hexwar_sb3.rules.enums import HopClass, PieceType
+from hexwar_sb3.rules.indices import CampIndex, CellIndex
 
 UNREACHABLE = 32000  # ticks; more than any game lasts
 CONCEALED_SHELTER = 0.3  # what concealment takes off the cost of a covered way (bots.md, section 1)
 
 
 @kernel
-def travel_ticks(kind: int, start: int, goal: int, rules: Row, cells: Rows, eta: Rows) -> int:
+def travel_ticks(
+    kind: int, start: CellIndex, goal: CellIndex, rules: RulesRecord, cells: Cells, eta: TravelTimes
+) -> int:
     """Fastest time of a type of piece from one cell to another, ticks; UNREACHABLE: no way."""
     base = int(rules.base_hop[kind])
     if kind == PieceType.AEROCRAFT:
@@ -23,7 +28,7 @@ def travel_ticks(kind: int, start: int, goal: int, rules: Row, cells: Rows, eta:
 
 
 @kernel
-def hop_cost(cell: int, hop: int, covered: bool, cells: Rows) -> float:
+def hop_cost(cell: CellIndex, hop: int, covered: bool, cells: Cells) -> float:
     """Cost of a hop into a cell: its ticks, on a covered way weighed by how exposed the cell is."""
     if not covered:
         return float(hop)
@@ -33,7 +38,14 @@ def hop_cost(cell: int, hop: int, covered: bool, cells: Rows) -> float:
 
 @kernel
 def next_direction(
-    kind: int, camp: int, start: int, goal: int, covered: bool, rules: Row, cells: Rows, eta: Rows
+    kind: int,
+    camp: CampIndex,
+    start: CellIndex,
+    goal: CellIndex,
+    covered: bool,
+    rules: RulesRecord,
+    cells: Cells,
+    eta: TravelTimes,
 ) -> int:
     """Direction of the cheapest next hop to a cell, ties in the camp's frame; NO_DIRECTION: none.
 

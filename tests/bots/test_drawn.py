@@ -24,6 +24,7 @@ from hexwar_sb3.maps.files import builtin_names, load_scenario
 from hexwar_sb3.play.match import play_games
 from hexwar_sb3.players.player import BotPlayer, make_player
 from hexwar_sb3.players.terms import Terms
+from hexwar_sb3.rules.indices import CampIndex
 
 ACCEPTED = Path(__file__).parents[2] / "results" / "bots" / "drawn.json"
 
@@ -38,7 +39,13 @@ def characters(family: str, members: int, seeds: int = 1, scenario: str = "plain
         seed_game(state.games[0], np.uint64(seed))
         for camp in range(2):
             for member in range(members):
-                draw_player(BOTS[family].id, camp, state.games[0], state.pieces[0], drawn[member, seed, camp])
+                draw_player(
+                    BOTS[family].id,
+                    CampIndex(camp),
+                    state.games[0],
+                    state.pieces[0],
+                    drawn[member, seed, camp],
+                )
     return drawn
 
 

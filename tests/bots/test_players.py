@@ -16,6 +16,7 @@ from hexwar_sb3.maps.files import builtin_names
 from hexwar_sb3.play.match import play_games
 from hexwar_sb3.players.terms import Terms
 from hexwar_sb3.rules.enums import Action, Camp, PieceType
+from hexwar_sb3.rules.indices import CampIndex
 
 if TYPE_CHECKING:
     from hexwar_sb3.play.arena import Arena
@@ -32,7 +33,7 @@ def think(arena: Arena, camp: int) -> dict[str, np.ndarray]:
     state, world = arena.state, arena.world
     state.orders[0].kind = Action.NULL
     bot_act(
-        arena.drives[0].seat[camp], camp, state.games[0], state.pieces[0], state.memory[0], state.rounds[0],
+        arena.drives[0].seat[camp], CampIndex(camp), state.games[0], state.pieces[0], state.memory[0], state.rounds[0],
         state.orders[0], arena.plans[0], arena.brains[0],
         world.rules[0], world.cells, world.los, world.eta, arena.atlas[0],
     )  # fmt: skip

@@ -27,6 +27,7 @@ from hexwar_sb3.engine.orders import (
 from hexwar_sb3.engine.reasons import SENTENCES
 from hexwar_sb3.engine.record import state_hash
 from hexwar_sb3.rules.enums import Action
+from hexwar_sb3.rules.indices import PieceIndex
 
 
 class Case(NamedTuple):
@@ -319,4 +320,4 @@ def test_a_record_that_no_text_can_make_is_refused_too(kind: int, code: Code) ->
     row = game.state.orders[0, 0]
     clear_order(row)
     row.kind = kind
-    assert order_code(0, row, *game.state.game(0)[:2], *game.world.tables[:2]) == code
+    assert order_code(PieceIndex(0), row, *game.state.game(0)[:2], *game.world.tables[:2]) == code

@@ -18,6 +18,7 @@ from hexwar_sb3.engine.state import State
 from hexwar_sb3.engine.world import World
 from hexwar_sb3.kernels import Row
 from hexwar_sb3.rules.enums import Action, Weapon
+from hexwar_sb3.rules.indices import PieceIndex
 from hexwar_sb3.rules.tables import ATTACKS, DIRECT_FIRE
 
 Play = Callable[..., State]
@@ -289,7 +290,7 @@ def test_legality_is_what_the_rule_book_says(seeds: range, small_world: World, p
         game, pieces, *_ = state.game(0)
         referee = Referee(state, small_world)
         for i, row in candidates(state, rng):
-            code = order_code(i, row, game, pieces, *small_world.tables[:2])
+            code = order_code(PieceIndex(i), row, game, pieces, *small_world.tables[:2])
             assert (code == Code.OK) == referee.legal(i, row), (
                 Action(row.kind),
                 i,

@@ -27,6 +27,7 @@ from hexwar_sb3.engine.orders import (
 from hexwar_sb3.engine.records import ORDER, PATH_CELLS
 from hexwar_sb3.errors import OrderError, UnknownNameError
 from hexwar_sb3.rules.enums import Action
+from hexwar_sb3.rules.indices import PieceIndex
 
 TEXTS = {
     "tank0 null": Null("tank0"),
@@ -99,7 +100,9 @@ def test_names_need_no_camp_where_it_is_clear(game: Game) -> None:
 def test_a_gap_in_a_path_is_no_direction(game: Game) -> None:
     """A well-formed but impossible order is refused, not raised."""
     row = np.zeros(1, ORDER).view(np.recarray)[0]
-    write_order(Move("tank0", ["1134", "2040"]), 0, row, game.roster, game.pieces, game.world.cells)
+    write_order(
+        Move("tank0", ["1134", "2040"]), PieceIndex(0), row, game.roster, game.pieces, game.world.cells
+    )
     assert list(row.path[:2]) == [4, GAP]
 
 

@@ -17,6 +17,7 @@ from hexwar_sb3.engine.random_orders import random_orders
 from hexwar_sb3.engine.replay import Replay
 from hexwar_sb3.engine.roster import SIDES, camp_name
 from hexwar_sb3.rules.enums import Action
+from hexwar_sb3.rules.indices import PieceIndex
 
 FOLDER = Path(__file__).parent / "playthroughs"
 BOARD = """
@@ -58,7 +59,7 @@ def random_batch(game: Game, seed: int) -> dict[str, list[Order]]:
     given = [i for i in range(rows.size) if rows[i].kind != Action.NULL]
     batch: dict[str, list[Order]] = {camp_name(camp): [] for camp in SIDES}
     for i in given:
-        order = read_order(i, rows[i], game.roster, game.pieces, game.world.cells)
+        order = read_order(PieceIndex(i), rows[i], game.roster, game.pieces, game.world.cells)
         batch[camp_name(game.roster.camps[i])].append(order)
     return batch
 

@@ -7,6 +7,7 @@ import pytest
 from hexwar_sb3.engine.game import Game
 from hexwar_sb3.engine.orders import Occupy
 from hexwar_sb3.engine.score import known_margin, own_total
+from hexwar_sb3.rules.enums import Camp
 
 BOARD = "map plain-9x5\nticks {ticks}\npoint main 0303 80\nred tank 0303\nred aerocraft 0101\nblue chariot 0903\nblue soldier aboard chariot0\n"
 
@@ -15,8 +16,8 @@ def test_a_camp_is_worth_its_pieces_with_passengers_and_its_points() -> None:
     """Section 12: the sum over own pieces of v x blood, passengers included."""
     game = Game.from_text(BOARD.format(ticks=1800))
     rules, rows = game.world.rules[0], (game.state.games[0], game.pieces)
-    assert own_total(*rows, 0, rules) == 3 * 10 + 8
-    assert own_total(*rows, 1, rules) == 3 * 7 + 3 * 4
+    assert own_total(*rows, Camp.RED, rules) == 3 * 10 + 8
+    assert own_total(*rows, Camp.BLUE, rules) == 3 * 7 + 3 * 4
     assert game.margin("red") == 38 - 33 - 80
     assert game.margin("blue") == 33 - 38 - 80
 
@@ -80,12 +81,12 @@ def test_the_known_margin_counts_enemies_at_their_last_seen_blood() -> None:
     game = Game.from_text("map plain-60x3\nred tank 0102\nblue tank 5902\nblue chariot 2002")
     rules = game.world.rules[0]
 
-    def known(camp: int) -> int:
+    def known(camp: Camp) -> int:
         return int(known_margin(game.state.games[0], game.pieces, game.state.memory[0], camp, rules))
 
-    assert known(0) == game.margin("red") == 30 - 51
+    assert known(Camp.RED) == game.margin("red") == 30 - 51
     with game.edit() as state:
         state["blue:tank0"].blood = 1
         state["blue:chariot0"].blood = 2
-    assert (known(0), game.margin("red")) == (30 - 30 - 14, 30 - 10 - 14)
-    assert game.view("red").known_margin == known(0)
+    assert (known(Camp.RED), game.margin("red")) == (30 - 30 - 14, 30 - 10 - 14)
+    assert game.view("red").known_margin == known(Camp.RED)

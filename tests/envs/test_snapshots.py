@@ -13,15 +13,10 @@ import numpy as np
 import pytest
 
 from hexwar_sb3.bots.drawn_records import CHARACTER
-from hexwar_sb3.bots.records import BRAIN
-from hexwar_sb3.engine import records
-from hexwar_sb3.engine.fields import dtype_of
-from hexwar_sb3.engine.sound import TABLES
 from hexwar_sb3.envs.registration import make_vec_env
 from hexwar_sb3.errors import CheckpointError, ConfigError
 from hexwar_sb3.maps.files import load_scenario
 from hexwar_sb3.maps.scenario import PieceStart, Scenario
-from hexwar_sb3.play.records import BRAIN_FIELDS
 from hexwar_sb3.rules.enums import PieceType
 
 PROGRAM = Path(__file__).with_name("broken_snapshots.py")
@@ -233,14 +228,3 @@ def test_what_was_drawn_for_an_opponent_is_what_its_game_draws(opponent: str) ->
     broken["brains"]["drawn"]["member"][0, 1] = 7
     with pytest.raises(CheckpointError, match=r"found 7 at .*; expected 0 but for a family's member"):
         of_bots.restore(broken)
-
-
-def test_records_are_made_of_their_tables() -> None:
-    for name, table in TABLES.items():
-        record = {"games": "GAME", "pieces": "PIECE", "rounds": "ROUND", "orders": "ORDER"}.get(
-            name, name.upper()
-        )
-        assert dtype_of(table) == getattr(records, record)
-    drawn = ("drawn", CHARACTER)  # checked by drawing it again
-    own = [(field.name, field.type, field.shape) for field in BRAIN_FIELDS]
-    assert np.dtype([*own, drawn], align=True) == BRAIN

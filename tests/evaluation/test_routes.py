@@ -17,6 +17,7 @@ from hexwar_sb3.maps.geometry import W, cells_apart
 from hexwar_sb3.maps.scenario import Scenario
 from hexwar_sb3.players.frozen_lower import FORMAT, SIZES, FrozenLower, fastest_way_network
 from hexwar_sb3.rules.enums import Camp, PieceType
+from hexwar_sb3.rules.indices import CellIndex
 from hexwar_sb3.tasks.features import index
 from hexwar_sb3.tasks.route import STAY
 from hexwar_sb3.tasks.travel import UNREACHABLE, travel_ticks
@@ -131,9 +132,9 @@ def test_routes_lead_ten_to_forty_cells_to_where_the_type_can_go() -> None:
         assert set(routes.cell) == {piece.cell}
         assert len(set(routes.goal.tolist())) == 20
         for goal in routes.goal.tolist():
-            assert LENGTHS[0] <= cells_apart(world.cells, piece.cell, goal) <= LENGTHS[1]
+            assert LENGTHS[0] <= cells_apart(world.cells, CellIndex(piece.cell), goal) <= LENGTHS[1]
             assert (
-                travel_ticks(piece.kind, piece.cell, goal, world.rules[0], world.cells, world.eta)
+                travel_ticks(piece.kind, CellIndex(piece.cell), goal, world.rules[0], world.cells, world.eta)
                 < UNREACHABLE
             )
 

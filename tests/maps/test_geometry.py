@@ -12,6 +12,7 @@ from hexwar_sb3.maps import geometry
 from hexwar_sb3.maps.cells import NO_CELL
 from hexwar_sb3.maps.terrain import Terrain
 from hexwar_sb3.rules.enums import Camp
+from hexwar_sb3.rules.indices import CellIndex
 
 WIDTH, HEIGHT = 71, 70
 ALL = range(WIDTH * HEIGHT)
@@ -78,7 +79,9 @@ def test_distance_equals_the_number_of_steps(terrain: Terrain) -> None:
                     steps[neighbour] = steps[cell] + 1
                     queue.append(neighbour)
         assert len(steps) == 4935
-        assert all(geometry.cells_apart(cells, start, cell) == n for cell, n in steps.items())
+        assert all(
+            geometry.cells_apart(cells, CellIndex(start), CellIndex(cell)) == n for cell, n in steps.items()
+        )
 
 
 def test_the_mirror_map_is_its_own_inverse_and_keeps_neighbourhood() -> None:
@@ -101,8 +104,8 @@ def test_the_axis_is_column_35_of_even_rows() -> None:
 def test_frames_of_the_camps(terrain: Terrain) -> None:
     """Red's frame is the map; blue's is the mirrored map."""
     cells = terrain.cells
-    assert geometry.frame_cell(cells, 7, Camp.RED) == 7
-    assert geometry.frame_cell(cells, 7, Camp.BLUE) == cells[7].mirror
+    assert geometry.frame_cell(cells, CellIndex(7), Camp.RED) == 7
+    assert geometry.frame_cell(cells, CellIndex(7), Camp.BLUE) == cells[7].mirror
     assert geometry.frame_cell(cells, NO_CELL, Camp.BLUE) == NO_CELL
     assert [geometry.frame_direction(d, Camp.RED) for d in range(6)] == [0, 1, 2, 3, 4, 5]
     assert [geometry.frame_direction(d, Camp.BLUE) for d in range(6)] == [3, 2, 1, 0, 5, 4]
@@ -110,7 +113,7 @@ def test_frames_of_the_camps(terrain: Terrain) -> None:
 
 def test_direction_between_neighbours(terrain: Terrain) -> None:
     cells = terrain.cells
-    centre = 34 * WIDTH + 35
+    centre = CellIndex(34 * WIDTH + 35)
     for d in range(6):
         assert geometry.direction_between(cells, centre, cells[centre].neighbour[d]) == d
-    assert geometry.direction_between(cells, centre, centre + 2) == geometry.NO_DIRECTION
+    assert geometry.direction_between(cells, centre, CellIndex(centre + 2)) == geometry.NO_DIRECTION

@@ -15,6 +15,7 @@ from hexwar_sb3.maps.hexmap import HexMap
 from hexwar_sb3.maps.sightlines import AIR_AIR, AIR_GROUND, GROUND_GROUND, see
 from hexwar_sb3.maps.terrain import Terrain
 from hexwar_sb3.rules import default_rules
+from hexwar_sb3.rules.indices import CellIndex
 
 SIGHT_CELLS, AIR_HEIGHT_M = 25, 200
 ENDS = [(0, 0), (1, 0), (0, 1), (1, 1)]  # is a airborne, is b airborne
@@ -179,7 +180,7 @@ def test_exposure_is_the_share_of_near_cells_that_see_a_cell(terrain: Terrain) -
     cells, near, seen = terrain.cells, 0, 0
     target = 34 * terrain.hexmap.width + 30
     for cell in np.flatnonzero(terrain.hexmap.playable).tolist():
-        if cell != target and cells_apart(cells, target, cell) <= 15:
+        if cell != target and cells_apart(cells, CellIndex(target), CellIndex(cell)) <= 15:
             near += 1
             seen += see(terrain.los, GROUND_GROUND, cell, target)
     assert cells[target].exposure == np.float32(seen / near)

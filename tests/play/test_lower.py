@@ -14,7 +14,7 @@ import torch
 from numpy.typing import NDArray
 
 from hexwar_sb3.algorithms.masked_dqn import MaskedDQN
-from hexwar_sb3.engine.records import NEVER, NO_PIECE
+from hexwar_sb3.engine.records import NEVER, NO_CELL, NO_PIECE
 from hexwar_sb3.engine.text import parse_board
 from hexwar_sb3.engine.world import World, load_world
 from hexwar_sb3.envs.route_vec_env import route_spaces
@@ -28,6 +28,7 @@ from hexwar_sb3.players.player import make_player
 from hexwar_sb3.players.terms import Terms
 from hexwar_sb3.policies.masked import MaskedDQNPolicy, freeze_lower
 from hexwar_sb3.rules.enums import Camp
+from hexwar_sb3.rules.indices import CellIndex
 from hexwar_sb3.tasks.choose import assign
 from hexwar_sb3.tasks.features import ROUTE_WIDTH, index
 from hexwar_sb3.tasks.records import ENDED, STAYING, TaskKind
@@ -330,7 +331,7 @@ def test_a_piece_that_is_let_go_is_led_by_its_camps_lower_level_again(world: Wor
 def test_answers_that_are_none_are_refused(answer: Callable[[Masks], Any], message: str) -> None:
     """The tank alone asks; staying is not valid, for its goal is elsewhere."""
     lane = make_lane(Camp.RED)
-    assign(lane.plans[0, 1], TaskKind.STOP, NO_PIECE, -1, 0)
+    assign(lane.plans[0, 1], TaskKind.STOP, NO_PIECE, NO_CELL, 0)
     lane.set_lower(0, Camp.RED, lambda _, masks: answer(masks))
 
     with pytest.raises(ConfigError, match=message):
@@ -350,7 +351,7 @@ def make_lane(camp: Camp) -> Arena:
     arena = Arena(load_world(parse_board(text).scenario), 1, Terms(decision_ticks=1800, spots=0))
     arena.begin(0, 1, None, None)
     for i in range(2):
-        assign(arena.plans[0, i], TaskKind.HOLD, NO_PIECE, 11 if camp == Camp.BLUE else 0, 0)
+        assign(arena.plans[0, i], TaskKind.HOLD, NO_PIECE, CellIndex(11 if camp == Camp.BLUE else 0), 0)
     arena.drives[0].due[:], arena.drives[0].fresh[:] = 0, 1
     return arena
 

@@ -17,6 +17,7 @@ from hexwar_sb3.engine.text import parse_board
 from hexwar_sb3.engine.world import World, load_world
 from hexwar_sb3.kernels import Row
 from hexwar_sb3.rules.enums import Action, Camp
+from hexwar_sb3.rules.indices import CampIndex, CellIndex, PieceIndex
 from hexwar_sb3.tasks.choose import assign, choose_tasks, new_plans
 from hexwar_sb3.tasks.execute import execute_tasks
 from hexwar_sb3.tasks.features import index, sizes
@@ -49,7 +50,7 @@ OPEN_FIELD = """
 """
 
 Mask = NDArray[np.int8]
-Choose = Callable[["Board", int, Any, Mask], NDArray[np.int64]]
+Choose = Callable[["Board", CampIndex, Any, Mask], NDArray[np.int64]]
 
 
 class Board:
@@ -69,14 +70,14 @@ class Board:
         self.codes: list[int] = []
         self.actions = np.zeros(len(Action), np.int64)
 
-    def i(self, name: str) -> int:
+    def i(self, name: str) -> PieceIndex:
         """Index of "tank0", or of an enemy "blue:tank0"."""
         camp, _, own = name.rpartition(":")
         names = self.world.piece_names(Camp.BLUE if camp == "blue" else Camp.RED)
-        return (N if camp == "blue" else 0) + names.index(own)
+        return PieceIndex((N if camp == "blue" else 0) + names.index(own))
 
-    def cell(self, x: int, y: int) -> int:
-        return y * self.world.scenario.hexmap.width + x
+    def cell(self, x: int, y: int) -> CellIndex:
+        return CellIndex(y * self.world.scenario.hexmap.width + x)
 
     def put(self, name: str, cell: int, **fields: int) -> Row:
         """Stand a piece in a cell, and set some of its fields."""
@@ -100,9 +101,10 @@ class Board:
         look_all(self.pieces, self.rules, self.cells, self.los)
         remember(self.game, self.pieces, self.memory, self.paths, self.cells)
 
-    def sets(self, camp: int = Camp.RED, k: int = MAX_TASKS) -> tuple[Any, Mask]:
+    def sets(self, camp: CampIndex = Camp.RED, k: int = MAX_TASKS) -> tuple[Any, Mask]:
         """Task sets [N, K] and mask of a camp."""
-        tasks, mask = np.zeros((N, k), TASK).view(np.recarray), np.zeros((N, k), np.int8)
+        tasks: Any = np.zeros((N, k), TASK).view(np.recarray)
+        mask = np.zeros((N, k), np.int8)
         list_tasks(
             camp,
             self.game,
@@ -127,7 +129,7 @@ class Board:
     def kinds(self, name: str) -> set[TaskKind]:
         return {kind for kind, _, _ in self.listed(name)}
 
-    def observation(self, camp: int = Camp.RED) -> dict[str, NDArray[Any]]:
+    def observation(self, camp: CampIndex = Camp.RED) -> dict[str, NDArray[Any]]:
         """obs, rows, mask and alive of a camp."""
         width = sizes(N, N, len(self.world.scenario.points))
         tasks, mask = self.sets(camp)
@@ -147,7 +149,9 @@ class Board:
         place = index("obs", N, N, len(self.world.scenario.points))[feature]
         return [float(x) for x in self.observation()["obs"][self.i(name), place]]
 
-    def row_feature(self, name: str, kind: TaskKind, feature: str, target: int = NO_PIECE) -> list[float]:
+    def row_feature(
+        self, name: str, kind: TaskKind, feature: str, target: PieceIndex = NO_PIECE
+    ) -> list[float]:
         """Numbers of one feature of the first task row of a kind (and a target) of a red piece."""
         seen = self.observation()
         tasks = seen["tasks"][self.i(name)]
@@ -158,10 +162,10 @@ class Board:
     def task(self, name: str, kind: TaskKind, target: int = NO_PIECE, cell: int = -1) -> Row:
         """Give a piece a task now; returns its plan."""
         plan = self.plans[self.i(name)]
-        assign(plan, kind, target, cell, self.game.tick)
+        assign(plan, kind, PieceIndex(target), CellIndex(cell), self.game.tick)
         return plan
 
-    def execute(self, camp: int = Camp.RED) -> None:
+    def execute(self, camp: CampIndex = Camp.RED) -> None:
         execute_tasks(
             camp, self.game, self.pieces, self.memory, self.paths, self.rounds, self.orders, self.plans,
             self.rules, self.cells, self.los, self.eta,
@@ -193,7 +197,7 @@ class Board:
             self.codes += self.orders.code[given != Action.NULL].tolist()
             np.add.at(self.actions, given, 1)
 
-    def decide(self, camp: int, choose: Choose) -> None:
+    def decide(self, camp: CampIndex, choose: Choose) -> None:
         """Let a chooser give the tasks of a camp."""
         tasks, mask = self.sets(camp)
         choose_tasks(camp, choose(self, camp, tasks, mask), self.game, tasks, mask, self.plans)
@@ -212,7 +216,7 @@ def sticky_choice(seed: int) -> Choose:
     rng = np.random.default_rng(seed)
     draws = rng.random((1000, N))
 
-    def choose(board: Board, camp: int, _tasks: Any, mask: Mask) -> NDArray[np.int64]:
+    def choose(board: Board, camp: CampIndex, _tasks: Any, mask: Mask) -> NDArray[np.int64]:
         decision = int(board.game.tick) // DECISION_TICKS
         salt = draws[decision // 5 + 100 * camp]
         return (salt * mask.sum(axis=1)).astype(np.int64)

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from hexwar_sb3.rules.enums import Camp
 from hexwar_sb3.tasks.choose import AMBUSH_VALUE, FIRE_VALUE, NO_STOP, STOP_VALUE, choose_tasks
 from hexwar_sb3.tasks.records import ENDED, STAYING, WALKING, TaskKind
 
@@ -42,7 +43,7 @@ def test_the_kind_sets_the_fire_style(board: Board) -> None:
 
 def test_an_action_that_names_no_valid_row_stops(board: Board) -> None:
     tasks, mask = board.sets()
-    choose_tasks(0, np.array([1, 39, -1, 400, 1, 0, 2]), board.game, tasks, mask, board.plans)
+    choose_tasks(Camp.RED, np.array([1, 39, -1, 400, 1, 0, 2]), board.game, tasks, mask, board.plans)
 
     kinds = [TaskKind(plan.kind) for plan in board.plans[:7]]
     assert kinds == [TaskKind.HOLD, *[TaskKind.STOP] * 5, TaskKind.HOLD]

@@ -170,7 +170,7 @@ def test_the_unseen_changes_no_byte(middle: Callable[[int], Board], camp: Camp) 
 
 def state_of(board: Board, camp: int) -> Any:
     state = np.full(sizes(N, N, 2).state, np.nan, np.float32)
-    global_state(camp, board.game, board.pieces, board.rules, board.cells, state)
+    global_state(Camp(camp), board.game, board.pieces, board.rules, board.cells, state)
     return state
 
 

@@ -9,7 +9,8 @@ import pytest
 
 from hexwar_sb3.engine.fire import level_between
 from hexwar_sb3.maps.geometry import NO_DIRECTION, E, W, cells_apart
-from hexwar_sb3.rules.enums import PieceType, Weapon
+from hexwar_sb3.rules.enums import Camp, PieceType, Weapon
+from hexwar_sb3.rules.indices import CellIndex, PieceIndex
 from hexwar_sb3.tasks.heuristic import GOOD_LEVEL, heuristic_direction, right_place
 from hexwar_sb3.tasks.records import TaskKind
 from hexwar_sb3.tasks.travel import UNREACHABLE, next_direction, travel_ticks
@@ -20,7 +21,7 @@ if TYPE_CHECKING:
 K = TaskKind
 
 
-def place(field: Board, name: str) -> int:
+def place(field: Board, name: str) -> CellIndex:
     return right_place(
         field.i(name), field.pieces, field.memory, field.plans, field.rules, field.cells, field.los, field.eta
     )
@@ -32,7 +33,7 @@ def answer(field: Board, name: str) -> int:
     )
 
 
-def meet(field: Board, apart: int) -> int:
+def meet(field: Board, apart: int) -> PieceIndex:
     """A blue chariot some cells east of the red tank; its index."""
     field.put("tank0", field.cell(5, 2))
     field.put("blue:chariot0", field.cell(5 + apart, 2))
@@ -47,24 +48,24 @@ def test_next_hops_lead_to_the_goal(board: Board, kind: PieceType, covered: bool
     start, goal = board.cell(10, 34), board.cell(35, 46)
     cell, spent = start, 0
     for _ in range(200):
-        d = next_direction(kind, 0, cell, goal, covered, board.rules, board.cells, board.eta)
+        d = next_direction(kind, Camp.RED, cell, goal, covered, board.rules, board.cells, board.eta)
         if d == NO_DIRECTION:
             break
         hop_class = 1 if kind == PieceType.SOLDIER else 0
         aerocraft = kind == PieceType.AEROCRAFT
         spent += board.rules.base_hop[kind] if aerocraft else board.cells[cell].hop_ticks[hop_class, d]
-        cell = int(board.cells[cell].neighbour[d])
+        cell = CellIndex(board.cells[cell].neighbour[d])
     fastest = travel_ticks(kind, start, goal, board.rules, board.cells, board.eta)
 
     assert cell == goal
     assert spent == fastest or (covered and fastest < spent < UNREACHABLE)
 
 
-def exposure_on_the_way(board: Board, start: int, goal: int, covered: bool) -> float:
+def exposure_on_the_way(board: Board, start: CellIndex, goal: CellIndex, covered: bool) -> float:
     cell, seen = start, []
     while cell != goal:
-        d = next_direction(PieceType.TANK, 0, cell, goal, covered, board.rules, board.cells, board.eta)
-        cell = int(board.cells[cell].neighbour[d])
+        d = next_direction(PieceType.TANK, Camp.RED, cell, goal, covered, board.rules, board.cells, board.eta)
+        cell = CellIndex(board.cells[cell].neighbour[d])
         seen.append(float(board.cells[cell].exposure))
     return float(np.mean(seen))
 
@@ -109,7 +110,9 @@ def test_an_attack_walks_to_the_first_cell_of_a_good_level(field: Board) -> None
     goal = place(field, "tank0")
     tank, enemy = field.pieces[0], field.memory[0, j]
     levels = [
-        level_between(Weapon.GUN, tank, cell, PieceType.CHARIOT, enemy.cell, field.rules, field.cells)
+        level_between(
+            Weapon.GUN, tank, CellIndex(cell), PieceType.CHARIOT, enemy.cell, field.rules, field.cells
+        )
         for cell in (goal, goal - 1)
     ]
 

@@ -10,6 +10,7 @@ import numpy as np
 from hexwar_sb3.engine.records import NO_CELL, NO_PIECE
 from hexwar_sb3.maps.geometry import MIRROR_DIRECTION
 from hexwar_sb3.rules.enums import Action, Camp
+from hexwar_sb3.rules.indices import CampIndex
 from hexwar_sb3.tasks.features import index
 
 if TYPE_CHECKING:
@@ -121,7 +122,7 @@ def test_a_mirrored_game_ends_as_the_mirrored_game(
     choose = sticky(5)
 
     def swapped(other: Board, camp: int, tasks: Any, mask: Any) -> Any:
-        return choose(other, 1 - camp, tasks, mask)
+        return choose(other, CampIndex(1 - camp), tasks, mask)
 
     board.play(1800, choose)
     turned.play(1800, swapped)

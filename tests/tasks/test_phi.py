@@ -9,6 +9,7 @@ import pytest
 from hexwar_sb3.engine.records import NO_PIECE
 from hexwar_sb3.maps.geometry import E
 from hexwar_sb3.rules.enums import Action
+from hexwar_sb3.rules.indices import PieceIndex
 from hexwar_sb3.tasks.phi import may_occupy, may_turn_back, phi
 from hexwar_sb3.tasks.records import TaskKind
 
@@ -102,10 +103,10 @@ def test_a_point_is_not_occupied_while_an_enemy_is_seen_beside_it(field: Board) 
     field.put("tank0", field.cell(20, 10))
     field.look()
     args = (field.game, field.pieces, field.memory, field.cells)
-    assert may_occupy(0, *args)
+    assert may_occupy(PieceIndex(0), *args)
     field.put("blue:tank0", field.cell(21, 10))
     field.look()
-    assert not may_occupy(0, *args)
+    assert not may_occupy(PieceIndex(0), *args)
     field.memory[0, 7].blood = 0
-    assert may_occupy(0, *args)
+    assert may_occupy(PieceIndex(0), *args)
     assert field.pieces[0].carrier == NO_PIECE

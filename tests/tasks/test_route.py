@@ -22,6 +22,7 @@ from hexwar_sb3.maps.terrain import Terrain
 from hexwar_sb3.maps.travel import TOO_FAR
 from hexwar_sb3.rules import default_rules
 from hexwar_sb3.rules.enums import Camp, HopClass, PieceType
+from hexwar_sb3.rules.indices import CellIndex
 from hexwar_sb3.tasks.features import BOUND, MOST, PER_CELL, PER_DETOUR, PER_HOP, PER_LEVEL, index
 from hexwar_sb3.tasks.records import TaskKind
 from hexwar_sb3.tasks.route import STAY, has_way, new_route_buffers, observe_route
@@ -103,7 +104,17 @@ def observed(
     states, masks = new_route_buffers(1)
     states[:], masks[:] = np.nan, -1  # whatever was there before
     observe_route(
-        kind, camp, task, cell, goal, ways, terrain.rules, terrain.cells, terrain.eta, states[0], masks[0]
+        kind,
+        camp,
+        task,
+        CellIndex(cell),
+        CellIndex(goal),
+        ways,
+        terrain.rules,
+        terrain.cells,
+        terrain.eta,
+        states[0],
+        masks[0],
     )
     return states[0], masks[0]
 
@@ -251,7 +262,7 @@ def test_what_is_far_or_steep_is_cut_off() -> None:
     cliff = Terrain(make_map("...\n..\n...", "0 20 0\n0 0\n0 0 0"), default_rules())
     assert View(cliff, SOLDIER, 0, 8)["neighbour 3: climb"] == [MOST]
     assert View(cliff, SOLDIER, 1, 8)["neighbour 3: climb"] == [-MOST]
-    assert not has_way(TANK, 0, 1, cliff.rules, cliff.cells, cliff.eta)
+    assert not has_way(TANK, CellIndex(0), CellIndex(1), cliff.rules, cliff.cells, cliff.eta)
     assert View(cliff, TANK, 0, 1)["goal: way"] == [MOST]
 
 
@@ -331,7 +342,7 @@ def test_every_cell_with_a_way_has_a_direction_without_a_detour(board: Terrain) 
             detours = [view[f"neighbour {d}: detour"][0] for d in range(6) if view.mask[1 + d]]
             assert min(detours) == 0.0
             assert all(
-                hop_from(kind, cell, d, board.rules, board.cells) > 0
+                hop_from(kind, CellIndex(cell), d, board.rules, board.cells) > 0
                 for d in np.flatnonzero(view.mask[1:]).tolist()
             )
 

@@ -15,6 +15,7 @@ from hexwar_sb3.engine.legality import order_code
 from hexwar_sb3.engine.records import MAX_PIECES, NO_PIECE
 from hexwar_sb3.rules import adjudicate
 from hexwar_sb3.rules.enums import Action, PieceType, TargetClass, Weapon
+from hexwar_sb3.rules.indices import PieceIndex, piece_range
 from hexwar_sb3.tasks.shots import (
     KILL_BONUS,
     OBJECTIVE_FACTOR,
@@ -103,7 +104,7 @@ def place(field: Board) -> None:
     field.look()
 
 
-def value_of(board: Board, name: str, j: int, weapon: Weapon) -> float:
+def value_of(board: Board, name: str, j: PieceIndex, weapon: Weapon) -> float:
     return shot_value(
         board.i(name),
         j,
@@ -125,7 +126,7 @@ def test_a_shot_of_a_seen_target_is_valued_with_the_engines_level_and_modifiers(
     compared = 0
     for seed in range(8):
         board = middle(seed)
-        for i, j, weapon in product(range(N), range(N, 2 * N), Weapon):
+        for i, j, weapon in product(piece_range(N), piece_range(N, 2 * N), Weapon):
             me, target = board.pieces[i], board.pieces[j]
             if not (int(me.sees) >> j) & 1 or me.blood == 0 or board.rules.pool[me.kind, weapon] < 0:
                 continue
@@ -155,10 +156,10 @@ def test_a_target_beside_a_point_of_others_counts_half_as_much_again(field: Boar
     assert value_of(field, "tank0", j, Weapon.GUN) == plain
 
 
-def legal_shots(board: Board, i: int) -> list[tuple[float, int, int]]:
+def legal_shots(board: Board, i: PieceIndex) -> list[tuple[float, PieceIndex, int]]:
     """Value, target, weapon of every shot that the engine would accept now."""
     order, shots = board.orders[i].copy(), []
-    for j, weapon in product(range(N, 2 * N), Weapon):
+    for j, weapon in product(piece_range(N, 2 * N), Weapon):
         order.kind, order.target, order.weapon = Action.SHOOT, j, weapon
         if order_code(i, order, board.game, board.pieces, board.rules, board.cells) == Code.OK:
             value = shot_value(
@@ -172,7 +173,7 @@ def test_best_shot_is_the_best_of_all_legal_shots(middle: Callable[[int], Board]
     found = 0
     for seed in range(16):
         board = middle(seed)
-        for i in range(N):
+        for i in piece_range(N):
             shots = legal_shots(board, i)
             value, j, weapon = best_shot(
                 i, NO_PIECE, False, NOTHING, board.game, board.pieces, board.memory, board.rules, board.cells
