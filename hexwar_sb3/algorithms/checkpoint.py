@@ -16,8 +16,7 @@ import numpy as np
 import torch
 from stable_baselines3.common.vec_env import VecEnv
 
-from hexwar_sb3.algorithms.exploration import NO_TASK
-from hexwar_sb3.algorithms.parts import (
+from hexwar_sb3.algorithms.checkpoint_arrays import (
     Arrays,
     check_observation,
     env_snapshot,
@@ -26,6 +25,7 @@ from hexwar_sb3.algorithms.parts import (
     under,
     write_arrays,
 )
+from hexwar_sb3.algorithms.exploration import NO_TASK
 from hexwar_sb3.algorithms.qmix import QMIX
 from hexwar_sb3.engine.fields import check_all, check_form, check_names, check_range, refuse
 from hexwar_sb3.envs.snapshots import placed

@@ -14,10 +14,10 @@ from stable_baselines3.common.policies import BasePolicy
 from stable_baselines3.common.type_aliases import GymEnv, RolloutReturn
 from stable_baselines3.common.vec_env import VecEnv, VecFrameStack, VecNormalize
 
+from hexwar_sb3.algorithms.checkpoint_arrays import check_observation, env_snapshot, part, restore_env, under
 from hexwar_sb3.algorithms.masked_dqn import MaskedDQN
 from hexwar_sb3.algorithms.model_file import check_part
 from hexwar_sb3.algorithms.model_zip import File, ModelZip
-from hexwar_sb3.algorithms.parts import check_observation, env_snapshot, part, restore_env, under
 from hexwar_sb3.algorithms.qmix import QMIX
 from hexwar_sb3.algorithms.ranges import (
     COUNTER,

@@ -17,6 +17,7 @@ from stable_baselines3.common.off_policy_algorithm import OffPolicyAlgorithm
 from stable_baselines3.common.policies import BasePolicy
 from stable_baselines3.common.type_aliases import GymEnv, TensorDict
 
+from hexwar_sb3.algorithms.checkpoint_arrays import read_replay, write_arrays
 from hexwar_sb3.algorithms.model_zip import (
     File,
     ModelZip,
@@ -27,7 +28,6 @@ from hexwar_sb3.algorithms.model_zip import (
     write_zip,
     zip_path,
 )
-from hexwar_sb3.algorithms.parts import read_replay, write_arrays
 from hexwar_sb3.algorithms.ranges import SEED, Kind, Misfit, Table, is_plain, mended, options, setting
 from hexwar_sb3.algorithms.tensors import (
     check_forms,

@@ -13,7 +13,7 @@ from jaxtyping import Bool, Float, Int
 from numpy.typing import NDArray
 from torch import Tensor
 
-from hexwar_sb3.algorithms.parts import FLAGS, MOST_REWARD, Joined, check_box, check_flags
+from hexwar_sb3.algorithms.checkpoint_arrays import FLAGS, MOST_REWARD, Joined, check_box, check_flags
 from hexwar_sb3.algorithms.td_targets import n_step_return, row_discount
 from hexwar_sb3.engine.fields import check_all, check_form, check_names, check_range, refuse
 from hexwar_sb3.errors import ConfigError, TrainingError

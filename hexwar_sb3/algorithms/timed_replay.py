@@ -13,7 +13,7 @@ from stable_baselines3.common.buffers import DictReplayBuffer
 from stable_baselines3.common.type_aliases import DictReplayBufferSamples, TensorDict
 from stable_baselines3.common.vec_env import VecNormalize
 
-from hexwar_sb3.algorithms.parts import FLAGS, MOST_REWARD, check_box, check_flags
+from hexwar_sb3.algorithms.checkpoint_arrays import FLAGS, MOST_REWARD, check_box, check_flags
 from hexwar_sb3.algorithms.td_targets import n_step_return
 from hexwar_sb3.engine.fields import check_form, check_names, check_range, refuse
 from hexwar_sb3.errors import ConfigError, TrainingError

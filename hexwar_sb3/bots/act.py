@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from hexwar_sb3.bots.chance import act_at_random
 from hexwar_sb3.bots.config import BotConfig, Style
 from hexwar_sb3.bots.draw import draw_player
 from hexwar_sb3.bots.drawn import think_drawn
@@ -10,6 +9,7 @@ from hexwar_sb3.bots.duties import order_duties
 from hexwar_sb3.bots.fire import guide_missiles, lob_rounds
 from hexwar_sb3.bots.ladder import climb
 from hexwar_sb3.bots.points import choose_people, first_points, move_idle
+from hexwar_sb3.bots.random_player import act_at_random
 from hexwar_sb3.bots.records import AtlasRecord, BrainRecord
 from hexwar_sb3.bots.registry import Bot
 from hexwar_sb3.bots.unseen import think_unseen

@@ -17,7 +17,7 @@ from stable_baselines3.common.vec_env import DummyVecEnv, VecEnv
 from hexwar_sb3.algorithms.qmix import QMIX
 from hexwar_sb3.algorithms.replay import situation_of
 from hexwar_sb3.envs.joint_action import JointActionEnv
-from hexwar_sb3.envs.matrix_games import CLIMBING, PENALTY, MatrixGame, RepeatedGame, TwoStepGame
+from tests.envs.matrix_games import CLIMBING, PENALTY, MatrixGame, RepeatedGame, TwoStepGame
 
 # Q_Σ of (row, column) at 1, 2A and 2B with gamma 0.99 and random exploration (Rashid et al. 2018, table 1).
 # VDN's best fit to 2B by least squares is [[-1.5, 2.5], [2.5, 6.5]].

@@ -11,7 +11,7 @@ import torch
 from gymnasium import spaces
 from numpy.typing import NDArray
 
-from hexwar_sb3.algorithms.parts import write_arrays
+from hexwar_sb3.algorithms.checkpoint_arrays import write_arrays
 from hexwar_sb3.algorithms.replay import StepReplay
 from hexwar_sb3.errors import ConfigError, TrainingError
 

@@ -12,12 +12,12 @@ from hexwar_sb3.algorithms.checkpoint import load_checkpoint, save_checkpoint
 from hexwar_sb3.algorithms.qmix import QMIX
 from hexwar_sb3.algorithms.squads import LAST_START, LENGTHS, SquadOrders, squads_of
 from hexwar_sb3.envs.joint_action import JointActionEnv
-from hexwar_sb3.envs.matrix_games import TwoStepGame
 from hexwar_sb3.envs.registration import make_vec_env
 from hexwar_sb3.errors import CheckpointError, ConfigError
 from hexwar_sb3.rules.enums import PieceType
 from hexwar_sb3.tasks.features import index
 from hexwar_sb3.tasks.records import TaskKind
+from tests.envs.matrix_games import TwoStepGame
 
 TANK, CHARIOT, SOLDIER, AEROCRAFT = PieceType
 LINE_UP = (TANK, TANK, CHARIOT, CHARIOT, SOLDIER, SOLDIER, AEROCRAFT)

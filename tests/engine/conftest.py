@@ -7,12 +7,12 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from hexwar_sb3.engine.random_orders import random_orders
 from hexwar_sb3.engine.state import State, new_state, reset_game
 from hexwar_sb3.engine.step import advance, advance_by_ticks
 from hexwar_sb3.engine.text import parse_board
 from hexwar_sb3.engine.world import World, load_world
 from hexwar_sb3.maps.scenario import Scenario
+from tests.engine.random_orders import random_orders
 
 ARENA = """
     map     plain-13x9

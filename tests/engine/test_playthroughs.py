@@ -13,11 +13,11 @@ import pytest
 from hexwar_sb3.engine.game import Game
 from hexwar_sb3.engine.order_rows import read_order
 from hexwar_sb3.engine.orders import Order
-from hexwar_sb3.engine.random_orders import random_orders
 from hexwar_sb3.engine.replay import Replay
 from hexwar_sb3.engine.roster import SIDES, camp_name
 from hexwar_sb3.rules.enums import Action
 from hexwar_sb3.rules.indices import PieceIndex
+from tests.engine.random_orders import random_orders
 
 FOLDER = Path(__file__).parent / "playthroughs"
 BOARD = """

@@ -6,6 +6,7 @@ import os
 import subprocess
 import sys
 from collections.abc import Callable, Iterable
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -13,7 +14,6 @@ import pytest
 
 from hexwar_sb3.engine.batch import Engine
 from hexwar_sb3.engine.pieces import is_ground
-from hexwar_sb3.engine.random_orders import random_orders
 from hexwar_sb3.engine.records import NEVER, NO_CELL, NO_PIECE, ROUND_FREE
 from hexwar_sb3.engine.sight import look_all
 from hexwar_sb3.engine.state import State, new_state, reset_game
@@ -22,6 +22,7 @@ from hexwar_sb3.engine.world import World, load_world
 from hexwar_sb3.kernels import Rows
 from hexwar_sb3.maps.geometry import MIRROR_DIRECTION
 from hexwar_sb3.rules.enums import Camp
+from tests.engine.random_orders import random_orders
 
 Play = Callable[..., State]
 
@@ -247,10 +248,11 @@ def test_the_built_in_scenarios_are_fair_to_both_colours(name: str) -> None:
 
 # --- plain Python --------------------------------------------------------------------------------
 
+ROOT = Path(__file__).parents[2]  # where `tests` is found
 SCRIPT = """
 import numpy as np
 np.seterr(over="ignore")
-from hexwar_sb3.engine.random_orders import random_orders
+from tests.engine.random_orders import random_orders
 from hexwar_sb3.engine.record import state_hash
 from hexwar_sb3.engine.state import new_state, reset_game
 from hexwar_sb3.engine.step import advance
@@ -282,7 +284,7 @@ PLAIN_BOARD = """
 """
 
 
-def test_compiled_kernels_and_plain_python_play_the_same_game(tmp_path: Any) -> None:
+def test_compiled_kernels_and_plain_python_play_the_same_game(tmp_path: Path) -> None:
     """Every kernel runs uncompiled too (architecture.md, section 2)."""
     board = tmp_path / "board.txt"
     board.write_text(PLAIN_BOARD)
@@ -291,7 +293,7 @@ def test_compiled_kernels_and_plain_python_play_the_same_game(tmp_path: Any) -> 
     for disabled in ("0", "1"):
         env = os.environ | {"NUMBA_DISABLE_JIT": disabled}
         run = subprocess.run(
-            [sys.executable, "-c", script], env=env, capture_output=True, text=True, check=True
+            [sys.executable, "-c", script], env=env, cwd=ROOT, capture_output=True, text=True, check=True
         )
         results.append(run.stdout)
     assert results[0] == results[1]

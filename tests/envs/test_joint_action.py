@@ -18,8 +18,8 @@ from stable_baselines3.common.env_util import make_vec_env
 from hexwar_sb3.algorithms.qmix import QMIX
 from hexwar_sb3.algorithms.replay import situation_of
 from hexwar_sb3.envs.joint_action import JointActionEnv
-from hexwar_sb3.envs.matrix_games import CLIMBING, ROUNDS, RepeatedGame, TwoStepGame
 from hexwar_sb3.errors import ConfigError, UnknownNameError
+from tests.envs.matrix_games import CLIMBING, ROUNDS, RepeatedGame, TwoStepGame
 
 
 class UnevenGame(ParallelEnv):  # type: ignore[misc]  # PettingZoo ships no types

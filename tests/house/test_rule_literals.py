@@ -20,7 +20,6 @@ ALLOWED: dict[str, set[float]] = {
     "engine/dice.py": {128},  # packs tick, kind and draw into the key of a die
     "engine/fire.py": {100},  # keeps a sum of losses within its byte
     "engine/legality.py": {5},  # the last direction
-    "engine/random_orders.py": {64, 4096},  # packs tick, piece and draw into a key
     "engine/record.py": {16},  # digits of a hash
     "engine/replay_file.py": {40},  # characters of a wrong line in a message
     "engine/state.py": {2**64 - 1},  # a seed has 64 bits

@@ -9,11 +9,11 @@ import torch
 from hexwar_sb3.algorithms.presets import PRESETS
 from hexwar_sb3.algorithms.qmix import QMIX
 from hexwar_sb3.envs.joint_action import JointActionEnv
-from hexwar_sb3.envs.matrix_games import TwoStepGame
 from hexwar_sb3.envs.registration import make_vec_env
 from hexwar_sb3.errors import ConfigError
 from hexwar_sb3.policies.task_policy import TaskPolicy
 from hexwar_sb3.tasks.features import index, sizes
+from tests.envs.matrix_games import TwoStepGame
 
 
 @pytest.mark.parametrize("with_state", [True, False])
