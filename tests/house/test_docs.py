@@ -51,7 +51,7 @@ def test_every_section_of_the_rule_book_that_the_code_names_is_there(root: Path)
     "page",
     [
         *("README.md", "CONTRIBUTING.md", "results/README.md"),
-        *(f"docs/{name}.md" for name in ("glossary", "players", "recipes", "rules", "seeds")),
+        *(f"docs/{name}.md" for name in ("glossary", "players", "recipes", "results", "rules", "seeds")),
     ],
 )
 def test_every_link_of_a_page_leads_somewhere(root: Path, page: str) -> None:
