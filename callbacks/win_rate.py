@@ -18,7 +18,7 @@ class WinRateCallback(EverySteps):
     """Plays the frozen policy against each opponent in both colours and keeps the best model.
 
     "Best" is by mean margin: a win rate saturates while one control point of two is held
-    (learning.md). The games use no random numbers of the trainer.
+    (learning.md, section 7). The games use no random numbers of the trainer.
 
     Args:
         every: env steps between two evaluations.

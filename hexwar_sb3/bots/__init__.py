@@ -1,1 +1,1 @@
-"""Scripted players MA1 and MA2, the ladder of simpler ones, and the heuristic routes."""
+"""Scripted players: MA1 and MA2, the ladder of simpler ones, the drawn families."""

@@ -71,7 +71,9 @@ BOTS: dict[str, BotSpec] = {
     "defender": BotSpec(Bot.DEFENDER, "takes the nearest point and only defends it"),
     "all-main": BotSpec(Bot.ALL_MAIN, "constant plan: all to the main point, and hold"),
     "half-half": BotSpec(Bot.HALF_HALF, "constant plan: half to each of the two best points, and hold"),
-    "two-hold": BotSpec(Bot.TWO_HOLD, "constant plan: one piece holds each point, the others hunt"),
+    "two-hold": BotSpec(
+        Bot.TWO_HOLD, "constant plan: a chariot and its soldier hold each point, the others hunt"
+    ),
     "drawn": BotSpec(
         Bot.DRAWN, "drawn anew for each game: posture, squads, points, times, feints; to train against"
     ),

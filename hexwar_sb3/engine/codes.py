@@ -48,7 +48,7 @@ class Code(IntEnum):
 
 
 class Event(IntEnum):
-    """What the log records (replays.md)."""
+    """What the log records (formats/replay.md)."""
 
     SHOT = 1
     GUIDED = 2

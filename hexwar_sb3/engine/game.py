@@ -234,6 +234,9 @@ class Game:
         Raises:
             ConfigError: a value or position that the rules do not have.
         """
+        self.recorder.note_states(
+            self.state, 0, self.tick
+        )  # as it is played again: first the state, then the edit
         before = new_state(self.world, 1)
         before.copy_from(self.state, 0, 0)
         editor = Editor(self.state, self.world)

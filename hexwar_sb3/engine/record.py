@@ -29,7 +29,7 @@ from hexwar_sb3.rules.indices import PieceIndex
 
 Line: TypeAlias = dict[str, Any]  # one line of a replay file
 
-STATE_TICKS = 75  # between two state lines (replays.md)
+STATE_TICKS = 75  # between two state lines (formats/replay.md)
 _HASHED = {
     "games": "seed salt point_owner fight_cell fight_next",
     "pieces": "cell sees blood ammo hidden suppressed carrier passenger path_pos path_len arrives_at hop_need"

@@ -15,7 +15,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Self
 
-from hexwar_sb3.errors import FileFormatError
+from hexwar_sb3.errors import FileFormatError, HexWarError
 from hexwar_sb3.evaluation.provenance import provenance
 from hexwar_sb3.files import check_held, write_json
 from hexwar_sb3.kinds import read_fields
@@ -53,16 +53,22 @@ class LeagueFolder:
         """Read a league's settings.
 
         Raises:
-            FileFormatError: the file is missing or broken, of other rules, bots or scenario.
-            ConfigError: a setting is out of its range.
+            FileFormatError: the file is missing or broken, a setting is out of its range, or it is of other rules, bots
+                or scenario.
         """
         path = folder / "league.json"
         found = read_json(path)
         if found.get("format") != FORMAT or not isinstance(found.get("settings"), dict):
             said = f"{str(found.get('format'))[:40]!r} with {str(found.get('settings'))[:60]}"
             raise FileFormatError(path, "format", found=said, expected=f"{FORMAT!r} with settings")
-        settings = LeagueSettings(**read_fields(LeagueSettings, found["settings"], path, whole=True))
-        origin = provenance(settings.scenario)
+        values = read_fields(LeagueSettings, found["settings"], path, whole=True)
+        try:
+            settings = LeagueSettings(**values)
+            origin = provenance(settings.scenario)
+        except HexWarError as error:
+            raise FileFormatError(
+                path, "settings", found=str(error), expected="settings of a league"
+            ) from error
         check_names(found, {"format": "", "settings": "", **origin}, path)
         for key, value in origin.items():
             if key != "software" and found.get(key) != value:

@@ -189,7 +189,7 @@ def test_the_papers_preset_sets_both_levels() -> None:
 def test_a_resumed_training_ends_with_the_weights_of_an_unbroken_one(
     hexwar: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Architecture.md, section 6: on a CPU, the same weights."""
+    """architecture.md, section 6: on a CPU, the same weights."""
     arguments = ("train", *SMALL, "-n", "600", "--runs", str(tmp_path))
     with monkeypatch.context() as patch:
         patch.setattr("hexwar_sb3.callbacks.checkpoint.save_checkpoint", save_and_press_ctrl_c)

@@ -1,4 +1,4 @@
-"""Replay files (design page "replays"): round trips, playing again, a camp's own record, bad files."""
+"""Replay files (formats/replay.md): round trips, playing again, a camp's own record, bad files."""
 
 from __future__ import annotations
 
@@ -284,6 +284,20 @@ def test_orders_that_cannot_be_played_are_named(change: dict[str, Any], message:
     with pytest.raises(ReplayFileError, match=r"line \d+") as error:
         resealed(lines).verify()
     assert message in str(error.value)
+
+
+def test_a_game_that_was_changed_before_its_first_tick_plays_again(tmp_path: Path) -> None:
+    """A text board with a change, and an edit by hand at tick 0."""
+    game = Game.from_text("map plain-9x5\nred tank 0103 blood 2\nblue tank 0403")
+    with game.edit() as state:
+        state["blue:tank0"].blood = 1
+    game.advance(80)
+    path = tmp_path / "edited.hwr"
+    Replay.of(game).save(path)
+
+    again = Replay.load(path)
+    again.verify()
+    assert state_hash(again.game_at(80).state, 0) == state_hash(game.state, 0)
 
 
 def test_a_changed_edit_cannot_break_the_engine(game: Game) -> None:

@@ -1,4 +1,4 @@
-"""Text boards (style.md, pair 7)."""
+"""Text boards."""
 
 from __future__ import annotations
 

@@ -47,19 +47,35 @@ def test_every_section_of_the_rule_book_that_the_code_names_is_there(root: Path)
     assert named <= sections
 
 
-@pytest.mark.parametrize(
-    "page",
-    [
-        *("README.md", "CONTRIBUTING.md", "results/README.md"),
-        *(f"docs/{name}.md" for name in ("glossary", "players", "recipes", "results", "rules", "seeds")),
-    ],
-)
-def test_every_link_of_a_page_leads_somewhere(root: Path, page: str) -> None:
-    text = (root / page).read_text(encoding="utf-8")
+POINTER = re.compile(r"\b((?:[a-z_]+/)*[A-Za-z_]+\.md)((?:,? sections? [\d., and]+)?)", re.IGNORECASE)
 
-    links = [link for link in re.findall(r"\]\(([^)#]+)\)", text) if "://" not in link]
 
-    assert [link for link in links if not ((root / page).parent / link).exists()] == []
+def test_every_page_and_section_that_the_code_names_is_there(root: Path) -> None:
+    sources = [path for top in CODE for path in (root / top).rglob("*.py") if path.name != "test_docs.py"]
+    lost, served = [], 0
+    for path in sources:
+        for name, numbers in POINTER.findall(path.read_text(encoding="utf-8")):
+            page = next((place for place in (root / "docs" / name, root / name) if place.is_file()), None)
+            found = re.findall(r"^## (\d+) ", page.read_text(encoding="utf-8"), re.MULTILINE) if page else []
+            missing = set(re.findall(r"\d+(?=[.,\s]|$)", re.sub(r"(\d+)\.\d+", r"\1", numbers))) - set(found)
+            served += page is not None
+            if page is None or missing:
+                lost.append(f"{path.relative_to(root)}: {name}{numbers}")
+
+    assert lost == []
+    assert served > 50
+
+
+def test_every_link_of_a_page_leads_somewhere(root: Path) -> None:
+    pages = [*root.glob("*.md"), *root.glob("docs/**/*.md"), root / "results" / "README.md"]
+    lost = [
+        f"{page.relative_to(root)}: {link}"
+        for page in pages
+        for link in re.findall(r"\]\(([^)#\s]+)(?:#[^)]*)?\)", page.read_text(encoding="utf-8"))
+        if "://" not in link and not (page.parent / link).exists()
+    ]
+
+    assert lost == []
 
 
 def test_the_readme_names_every_command(root: Path) -> None:

@@ -1,4 +1,4 @@
-"""No number of the rules is typed outside rules/tables.py (style.md, "Where numbers live")."""
+"""No number of the rules is typed outside rules/tables.py (CONTRIBUTING.md, "Change or add a rule")."""
 
 from __future__ import annotations
 

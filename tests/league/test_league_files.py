@@ -35,6 +35,21 @@ def test_nothing_but_our_errors_comes_of_a_bad_league(tiny: LeagueSettings, bad:
     assert refused > 200
 
 
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [({"keep": 17}, "keep must be at most 16, got 17"), ({"bots": ["MA7"]}, "unknown bot 'MA7'")],
+)
+def test_a_setting_that_cannot_be_is_refused_with_file_and_place(
+    tiny: LeagueSettings, change: dict[str, Any], said: str, tmp_path: Path
+) -> None:
+    spoilt = json.loads(json.dumps(head(tiny)))
+    spoilt["settings"].update(change)
+    (tmp_path / "league.json").write_text(json.dumps(spoilt))
+
+    with pytest.raises(FileFormatError, match=rf"league\.json: settings: found {said}"):
+        League.open(tmp_path)
+
+
 ROW = {"name": "one", "win_rate": 0.5, "win_rate_interval": [0.4, 0.6], "mean_margin": 1.0}
 TABLE: dict[str, Any] = {
     "iteration": 1,
