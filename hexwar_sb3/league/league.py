@@ -28,7 +28,7 @@ from hexwar_sb3.policies.shapes import TaskShapes
 
 @dataclass(frozen=True)
 class League(Agenda):
-    """A league that is begun, prolonged and run."""
+    """Grouped self-play (III-C, Fig. 6): a league that is begun, prolonged and run."""
 
     @classmethod
     def create(cls, folder: Path, settings: LeagueSettings, starters: Mapping[str, Path]) -> League:

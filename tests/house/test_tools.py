@@ -11,8 +11,10 @@ from mypy.options import Options
 
 
 def python_files(root: Path) -> set[Path]:
+    """Every file; of a folder that opens with a stub, the stub."""
     folders = ("hexwar_sb3", "callbacks", "policies", "tuning", "tests")
-    return {path.resolve() for folder in folders for path in (root / folder).rglob("*.py")}
+    files = {path.resolve() for folder in folders for path in (root / folder).rglob("*.py")}
+    return {stub if (stub := path.with_suffix(".pyi")).exists() else path for path in files}
 
 
 def test_the_type_checker_reads_every_file(root: Path) -> None:
