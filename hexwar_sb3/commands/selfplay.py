@@ -34,12 +34,12 @@ class SelfPlay:
     iterations: int = 10  # of training, round robin and selection
     keep: int = 4  # models of each colour that are kept; keep * keep groups train
     split: bool = False  # red and blue models of their own, as in the paper; else each plays both camps
-    games: int = 800  # that each model of a group learns from
+    games: int = 1_000  # that each model of a group learns from
     match_games: int = 40  # of each pairing in the round robin
     warm_up_games: int = 400  # of each model to begin with against each of MA1 and MA2, to rank them
     bots: tuple[str, ...] = OPPONENTS  # NAME or NAME=WEIGHT; met in training and in the round robin
-    partner_share: float = 0.1  # of the weights, for the partner of the group
-    past_share: float = 0.1  # for the best of the iterations before
+    partner_share: float = 0.05  # of the weights, for the partner of the group
+    past_share: float = 0.05  # for the best of the iterations before
     # exponent by which those who beat the model are met more often; 0: by their weights alone
     priority: float = 1.0
     hidden: int = 128  # width of the models' networks; narrower ones are widened

@@ -52,7 +52,7 @@ class Table1:
     seeds: tuple[int, ...] = (0, 1, 2, 3)  # of the warm-ups
     settings: LeagueSettings = field(default_factory=LeagueSettings)
     lessons: Lessons = field(default_factory=lambda: Lessons(games=800, updates=4_000))
-    cai_games: int = 60_000  # that CAI learns from after it was distilled
+    cai_games: int = 50_000  # that CAI learns from after it was distilled
     # of CAI, where they differ from the league's: a longer training may change more
     cai_learner: Mapping[str, Any] = field(default_factory=lambda: dict(CAI_LEARNER))
     games: int = 2_000  # a cell
