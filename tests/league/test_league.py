@@ -59,9 +59,9 @@ def test_models_meet_their_partner_the_past_and_the_bots(whole: League) -> None:
     past = [weight for _, weight in spec.others["red"][:-2]]
     assert sum(past) == pytest.approx(0.05)
     assert [weight for _, weight in spec.others["red"][-2:]] == pytest.approx([0.9 / 3, 1.8 / 3])
-    met = with_partner(spec.members["blue"], 0.1, spec.others["red"])
+    met = with_partner(spec.members["blue"], 0.05, spec.others["red"])
     assert cast("FrozenPolicy", met[0][0]).sha256 == spec.members["blue"].policy().sha256
-    assert [weight for _, weight in met] == pytest.approx([0.1, *(w for _, w in spec.others["red"])])
+    assert [weight for _, weight in met] == pytest.approx([0.05, *(w for _, w in spec.others["red"])])
     assert spec.env["priority"] == 1.0
 
 
