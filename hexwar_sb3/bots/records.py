@@ -30,43 +30,32 @@ class BrainRecord:
     thoughts: U4[np.uint32] = within(0, ("tick", 1))  # so far; 0: a fresh brain
     draws: U4[np.uint32] = within(0, ANY_U4)  # random numbers drawn so far
     thought_at: I2[int] = within(0, "tick")  # tick of the last thought
-    wake_at: I2[int] = within(
-        0, ("tick", "think_ticks")
-    )  # next tick at which it wants to act though nothing happens
+    # next tick at which it wants to act though nothing happens
+    wake_at: I2[int] = within(0, ("tick", "think_ticks"))
     loss_at: I2[int] = within(-1, "tick")  # own loss and new contact that were already thought about
     contact_at: I2[int] = within(-1, "tick")
-    point: Vector[SlotIndex, I1[PointIndex]] = within(
-        0, "last_point", (MAX_SIDE,)
-    )  # control point that each piece works for
-    post: Vector[SlotIndex, I2[CellIndex]] = within(
-        NO_CELL, "last_cell", (MAX_SIDE,)
-    )  # firing cell of each piece; NO_CELL
-    dropped_for: Vector[SlotIndex, I1[int]] = within(
-        0, ("last_point", 1), (MAX_SIDE,)
-    )  # control point + 1 that a soldier was set down for; 0: none yet
-    taker: Vector[PointIndex, I1[SlotIndex]] = within(
-        -1, MAX_SIDE - 1, (MAX_POINTS,)
-    )  # slot that is to take a point; NOBODY
-    keeper: Vector[PointIndex, I1[SlotIndex]] = within(
-        -1, MAX_SIDE - 1, (MAX_POINTS,)
-    )  # slot that is to stay on an own point; NOBODY
+    # control point that each piece works for
+    point: Vector[SlotIndex, I1[PointIndex]] = within(0, "last_point", (MAX_SIDE,))
+    # firing cell of each piece; NO_CELL
+    post: Vector[SlotIndex, I2[CellIndex]] = within(NO_CELL, "last_cell", (MAX_SIDE,))
+    # control point + 1 that a soldier was set down for; 0: none yet
+    dropped_for: Vector[SlotIndex, I1[int]] = within(0, ("last_point", 1), (MAX_SIDE,))
+    # slot that is to take a point; NOBODY
+    taker: Vector[PointIndex, I1[SlotIndex]] = within(-1, MAX_SIDE - 1, (MAX_POINTS,))
+    # slot that is to stay on an own point; NOBODY
+    keeper: Vector[PointIndex, I1[SlotIndex]] = within(-1, MAX_SIDE - 1, (MAX_POINTS,))
     rush: U1[int] = within(0, 1)  # behind near the end: everybody goes for the points
     n_foes: U1[int] = within(0, MAX_SIDE)
-    foes: Vector[int, I1[PieceIndex]] = within(
-        0, "last_piece", (MAX_SIDE,)
-    )  # enemies with some trust, at the last thought
-    trust: Vector[PieceIndex, F4[float]] = within(
-        0, 1, (MAX_PIECES,)
-    )  # in what is known of each enemy, 0..1, at the last thought
-    choices: Vector[int, I2[CellIndex]] = within(
-        NO_CELL, "last_cell", (CHOICES,)
-    )  # cells that the piece at hand looks at as posts
-    allotted: Vector[PieceIndex, I2[int]] = within(
-        0, "losses", (MAX_PIECES,)
-    )  # losses expected of the shots given in this step
-    stage: Vector[int, I1[int]] = within(
-        0, STAGES - 1, (SQUADS,)
-    )  # of each squad's timetable; of "drawn" 1 once its feint is over
+    # enemies with some trust, at the last thought
+    foes: Vector[int, I1[PieceIndex]] = within(0, "last_piece", (MAX_SIDE,))
+    # in what is known of each enemy, 0..1, at the last thought
+    trust: Vector[PieceIndex, F4[float]] = within(0, 1, (MAX_PIECES,))
+    # cells that the piece at hand looks at as posts
+    choices: Vector[int, I2[CellIndex]] = within(NO_CELL, "last_cell", (CHOICES,))
+    # losses expected of the shots given in this step
+    allotted: Vector[PieceIndex, I2[int]] = within(0, "losses", (MAX_PIECES,))
+    # of each squad's timetable; of "drawn" 1 once its feint is over
+    stage: Vector[int, I1[int]] = within(0, STAGES - 1, (SQUADS,))
     since: Vector[int, I2[int]] = within(0, "tick", (SQUADS,))  # tick at which it began
     drawn: CharacterRecord  # of a player of a family
 
@@ -88,9 +77,8 @@ class AtlasRecord:
     # [shooter or SPENT, target, sheltered, steps uphill, distance] expected points at full blood
     danger: Block[F4[float]] = of_shape(SPENT + 1, 4, SHELTERS, UPHILL, REACH)
     best_gain: Vector[int, F4[float]] = of_shape(4)  # [shooter] most that `gain_at` can say
-    around: Table[int, int, I1[int]] = of_shape(
-        AROUND, 2
-    )  # cube steps to the cells within 5, nearest first, red's frame
+    # cube steps to the cells within 5, nearest first, red's frame
+    around: Table[int, int, I1[int]] = of_shape(AROUND, 2)
     ring: Table[int, int, I1[int]] = of_shape(RING, 2)  # cube steps to cells 6 to 14 away, red's frame
 
 

@@ -179,7 +179,7 @@ class TrainSettings:
     @property
     def games(self) -> int:
         """Games that the env steps make."""
-        return self.n_timesteps // self.terms.env_steps(1)
+        return self.terms.games(self.n_timesteps)
 
     def value(self, name: str) -> Any:
         """A setting of the preset itself, unless it was given."""

@@ -1,10 +1,10 @@
 """The state of a batch of games as a few record arrays (architecture.md, section 2).
 
-A game is one row of each array; a snapshot is a copy of those rows (about 3 KB).
+A game is one row of each array; a snapshot is a copy of those rows (about 4 KB).
 Times are END TICKS, never counters: a timer of n set in step t holds t + n and is over in the
 state of that tick. `NEVER` marks a timer that does not run. Red's pieces come first.
 
-Each table gives the least and the most that a field of a running game may hold, in numbers or in the words of
+Each class gives the least and the most that a field of a running game may hold, in numbers or in the words of
 `sound.bounds_of`; what hangs together is checked in `sound.py`.
 """
 
@@ -52,14 +52,12 @@ class GameRecord:
     point_owner: Vector[PointIndex, I1[CampIndex]] = within(0, Camp.GREEN, (MAX_POINTS,))  # Camp
     point_cell: Vector[PointIndex, I2[CellIndex]] = within(0, "last_cell", (MAX_POINTS,))
     point_value: Vector[PointIndex, I2[int]] = within(0, NEVER, (MAX_POINTS,))
-    fight_cell: Vector[int, I2[CellIndex]] = within(
-        0, "last_cell", (MAX_SIDE,), also=(NO_CELL,)
-    )  # NO_CELL: free row
+    # NO_CELL: free row
+    fight_cell: Vector[int, I2[CellIndex]] = within(0, "last_cell", (MAX_SIDE,), also=(NO_CELL,))
     # tick whose step makes the next exchange
     fight_next: Vector[int, I2[int]] = within("tick", ("tick", "fight_ticks"), (MAX_SIDE,), also=(NEVER,))
-    loss_tick: Vector[CampIndex, I2[int]] = within(
-        -1, "tick", (2,)
-    )  # [camp] last tick with an own loss; -1 before
+    # [camp] last tick with an own loss; -1 before
+    loss_tick: Vector[CampIndex, I2[int]] = within(-1, "tick", (2,))
     # [camp] last tick at which an enemy came into sight; -1 before
     contact_tick: Vector[CampIndex, I2[int]] = within(-1, "tick", (2,))
     log_count: I4[int] = within(0, "log")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from hexwar_sb3.engine.records import GameRecord, Memory, MemoryRecord, PieceRecord, Pieces, Rounds
 from hexwar_sb3.kernels import kernel
 from hexwar_sb3.play.records import DriveRecord
-from hexwar_sb3.rules.indices import CampIndex, CellIndex, PieceIndex, piece_range, point_range
+from hexwar_sb3.rules.indices import CampIndex, piece_range, point_range
 from hexwar_sb3.tasks.known import end_piece, first_piece
 
 _BITS = (1 << 62) - 1
@@ -60,13 +60,13 @@ def own_key(piece: PieceRecord) -> int:
     flags = (
         int(piece.hidden) + 2 * int(piece.suppressed) + 4 * int(piece.waiting) + 8 * int(piece.stop_pending)
     )
-    health = int(piece.blood) * _KEYS[10] + flags * _KEYS[11] + PieceIndex(piece.carrier) * _KEYS[12]
-    return (timers + path + health + CellIndex(piece.cell) * _KEYS[13] + int(piece.sees) * _KEYS[14]) & _BITS
+    health = int(piece.blood) * _KEYS[10] + flags * _KEYS[11] + int(piece.carrier) * _KEYS[12]
+    return (timers + path + health + int(piece.cell) * _KEYS[13] + int(piece.sees) * _KEYS[14]) & _BITS
 
 
 @kernel
 def enemy_key(enemy: MemoryRecord) -> int:
     """A number for what is remembered of an enemy, but for the ticks."""
     flags = int(enemy.hidden) + 2 * int(enemy.suppressed) + 4 * int(enemy.moving) + 8 * int(enemy.seen)
-    place = CellIndex(enemy.cell) * _KEYS[0] + CellIndex(enemy.next_cell) * _KEYS[1]
+    place = int(enemy.cell) * _KEYS[0] + int(enemy.next_cell) * _KEYS[1]
     return (place + int(enemy.blood) * _KEYS[2] + flags * _KEYS[3]) & _BITS

@@ -24,18 +24,16 @@ WAITS, JUMPED, STEPS = (
 class DriveRecord:
     """drives[B]: who sits where, when they decide, and what they did."""
 
-    seat: Vector[CampIndex, U1[int]] = within(
-        0, LAST_BOT, (2,), also=(EXTERNAL,)
-    )  # [camp] EXTERNAL or a bot's id
+    # [camp] EXTERNAL or a bot's id
+    seat: Vector[CampIndex, U1[int]] = within(0, LAST_BOT, (2,), also=(EXTERNAL,))
     # [camp] 1: the loop stops at its decisions (always so for EXTERNAL)
     asked: Vector[CampIndex, U1[int]] = within(0, 1, (2,))
     period: Vector[CampIndex, I2[int]] = within(1, NEVER, (2,))  # [camp] ticks between its regular decisions
     # [camp] 1: also decides after an own loss or an ended task
     early: Vector[CampIndex, U1[int]] = within(0, 1, (2,))
     due: Vector[CampIndex, U1[int]] = within(0, 1, (2,))  # [camp] 1: this asked camp is to decide now
-    fresh: Vector[CampIndex, U1[int]] = within(
-        0, 1, (2,)
-    )  # [camp] 1: it has picked, and nobody acted on it yet
+    # [camp] 1: it has picked, and nobody acted on it yet
+    fresh: Vector[CampIndex, U1[int]] = within(0, 1, (2,))
     decided_at: Vector[CampIndex, I2[int]] = within(0, "tick", (2,))  # [camp] tick of its last decision
     # [camp] bit i: piece i's task had ended before that decision
     ended: Vector[CampIndex, U4[np.uint32]] = within(0, "piece_bits", (2,))
@@ -43,12 +41,10 @@ class DriveRecord:
     wake_at: Vector[CampIndex, I2[int]] = within("tick", ("tick", "think_ticks"), (2,), also=(NEVER,))
     # [camp] fingerprint of what it knew when it last looked (fingerprint.py)
     known: Vector[CampIndex, I8[int]] = within(0, 2**62 - 1, (2,))
-    lower: Vector[CampIndex, I2[int]] = within(
-        -1, NEVER, (2,)
-    )  # [camp] who answers its pieces on their way: play/lower.py
-    kept: Vector[PieceIndex, I1[int]] = within(
-        0, 6, (MAX_PIECES,)
-    )  # answer that a piece keeps, where `lower` is KEPT
+    # [camp] who answers its pieces on their way: play/lower.py
+    lower: Vector[CampIndex, I2[int]] = within(-1, NEVER, (2,))
+    # answer that a piece keeps, where `lower` is KEPT
+    kept: Vector[PieceIndex, I1[int]] = within(0, 6, (MAX_PIECES,))
     outside: U4[np.uint32] = within(0, "piece_bits")  # bit i: somebody outside the loop answers for piece i
     waiting: U4[np.uint32] = within(0, "piece_bits")  # bit i: piece i waits for that answer now
     stepped_at: I2[int] = within(0, "tick")  # tick of the state that the last step made

@@ -62,6 +62,10 @@ class Terms:
         """Decisions of a camp in so many games."""
         return games * load_world(self.scenario).scenario.game_ticks // self.decision_ticks
 
+    def games(self, env_steps: int) -> int:
+        """Games that so many decisions of a camp make."""
+        return env_steps * self.decision_ticks // load_world(self.scenario).scenario.game_ticks
+
     def about(self) -> dict[str, str]:
         """What a policy's folder says of how it was trained, so that `trained_terms` finds it."""
         said = ("scenario", "decision_ticks", "spots", "decisions")

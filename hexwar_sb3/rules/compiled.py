@@ -55,15 +55,13 @@ class RulesRecord:
     fight_ticks: I2[int]  # between two exchanges of close combat
     game_ticks: I2[int]
     # --- direct fire, section 7 ---
-    level: Block[I1[int]] = of_shape(
-        12, 3, 6, 21
-    )  # [weapon, target class, shooter blood, distance]; 0 = no shot
+    # [weapon, target class, shooter blood, distance]; 0 = no shot
+    level: Block[I1[int]] = of_shape(12, 3, 6, 21)
     height: Table[int, int, I1[int]] = of_shape(9, 13)  # [levels uphill 0..8, distance 0..12]
     column: Table[int, int, I1[int]] = of_shape(6, 11)  # [shooter blood, level]
     vehicle_result: Table[int, int, I1[int]] = of_shape(13, 21)  # [two dice, column]
-    soldier_result: Table[int, int, I1[int]] = of_shape(
-        13, 11
-    )  # [two dice, level]; also SMALL against vehicles
+    # [two dice, level]; also SMALL against vehicles
+    soldier_result: Table[int, int, I1[int]] = of_shape(13, 11)
     vehicle_correction: Table[int, int, I1[int]] = of_shape(16, 5)  # [m clamped to -3..12, plus 3; armour]
     soldier_correction: Vector[int, I1[int]] = of_shape(9)  # [m clamped to 0..8]
     mod_shooter_suppressed: I1[int]
@@ -88,12 +86,10 @@ class RulesRecord:
     burst_armour: Vector[int, I1[int]] = of_shape(5)
     burst_guns: Vector[int, I1[int]] = of_shape(6)  # [blood at launch]
     # --- chances, from the tables above (odds.py); modifiers from LEAST_MODIFIER, results from -1 ---
-    odds_vehicle: Block[F4[float]] = of_shape(
-        5, 6, 11, 11, 7
-    )  # [armour, shooter blood, level, modifiers, result]
-    odds_small: Block[F4[float]] = of_shape(
-        5, 11, 11, 7
-    )  # SMALL against vehicles: [armour, level, modifiers, result]
+    # [armour, shooter blood, level, modifiers, result]
+    odds_vehicle: Block[F4[float]] = of_shape(5, 6, 11, 11, 7)
+    # SMALL against vehicles: [armour, level, modifiers, result]
+    odds_small: Block[F4[float]] = of_shape(5, 11, 11, 7)
     odds_soldier: Block[F4[float]] = of_shape(11, 11, 7)  # [level, modifiers, result]
     odds_air: Vector[int, F4[float]] = of_shape(11)  # [level]: destroyed
 

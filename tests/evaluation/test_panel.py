@@ -63,3 +63,10 @@ def test_a_number_that_is_none_is_answered_with_its_place(folder: Path, number: 
 
     with pytest.raises(PolicyFileError, match=r"about\.decision_ticks: found .*; expected a whole number"):
         trained_terms(folder)
+
+
+def test_games_and_env_steps_are_counted_by_the_clock() -> None:
+    """A game of 1,800 ticks, also where Delta-t does not divide it."""
+    assert Terms().env_steps(100) == 2_400
+    assert Terms().games(240_000) == 10_000
+    assert Terms(decision_ticks=70).games(240_000) == 240_000 * 70 // 1_800
