@@ -113,3 +113,10 @@ def write_json(path: Path, values: Mapping[str, Any]) -> None:
     """Write a JSON object, at once or not at all."""
     with replacing(path) as temporary:
         temporary.write_text(json.dumps(values, indent=1) + "\n", encoding="utf-8")
+
+
+def write_entries(path: Path, entries: Mapping[str, Any]) -> None:
+    """Write a JSON object with a line an entry, sorted by name, at once or not at all."""
+    lines = [f"{json.dumps(name)}: {json.dumps(entries[name])}" for name in sorted(entries)]
+    with replacing(path) as temporary:
+        temporary.write_text("{\n" + ",\n".join(lines) + "\n}\n", encoding="utf-8")

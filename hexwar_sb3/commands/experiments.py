@@ -38,7 +38,7 @@ class Experiments:
     eval_games: int = 64  # an opponent and colour, at each of the ten points of a curve
     final_games: int | None = None  # an opponent and colour, on the page of a run; else 2,000, 700 and 200
     jobs: int = 1  # runs side by side
-    results: Path = Path("results")  # small files that are kept: RESULTS/EXPERIMENT/RUN/
+    results: Path = Path("results")  # small files that are kept: RESULTS/EXPERIMENT/
     work: Path = Path("runs/experiments")  # run folders
     json: Json = False
 
@@ -131,28 +131,31 @@ class Experiments:
             ]
             print_json({"runs": rows})
         else:
-            lines = [[run.name, str(places.kept(run)), state] for run, state in states.items()]
+            lines = [[run.name, str(places.kept(run).folder), state] for run, state in states.items()]
             print(table(("run", "results", "state"), lines))
 
 
 def finish(name: str, runs: Sequence[Run], places: Places) -> list[Path]:
     """Draw the figure, or write the table, from the results that are there; the files."""
-    from hexwar_sb3.experiments import fig7, rivals, seeds
+    from hexwar_sb3.experiments import ablation, fig7, rivals, seeds
 
     folder = places.results / name
-    if name in (seeds.NAME, rivals.NAME):
-        module = seeds if name == seeds.NAME else rivals
-        rows = module.summary(runs, places)
-        text = table(module.HEADS, list(module.cells(rows)))
-        write_text(folder / "table.txt", text + "\n")
-        write_text(folder / "table.json", as_json(rows) + "\n")
-        print(text)
-        return [folder / "table.txt", folder / "table.json"]
+    if name == ablation.NAME:
+        return write_table(runs, places, folder)
+    if name == rivals.NAME:
+        rows = rivals.summary(runs, places)
+        text = table(rivals.HEADS, list(rivals.cells(rows)))
+    else:
+        rows = seeds.summary(runs, places, seeds.NAMES if name == seeds.NAME else {})
+        text = table(seeds.HEADS, list(seeds.cells(rows)))
+    made = [folder / "table.txt", folder / "table.json"]
+    write_text(made[0], text + "\n")
+    write_text(made[1], as_json(rows) + "\n")
+    print(text)
     if name == fig7.NAME:
-        picture = folder / "fig7.png"
-        fig7.draw(runs, places, picture)
-        return [picture]
-    return write_table(runs, places, folder)
+        made.append(folder / "fig7.png")
+        fig7.draw(runs, places, made[-1])
+    return made
 
 
 def write_table(runs: Sequence[Run], places: Places, folder: Path) -> list[Path]:

@@ -22,7 +22,7 @@ from hexwar_sb3.evaluation.intervals import Estimate, wilson
 from hexwar_sb3.evaluation.jobs import run_jobs
 from hexwar_sb3.evaluation.matches import Evaluation
 from hexwar_sb3.evaluation.provenance import provenance
-from hexwar_sb3.files import replacing
+from hexwar_sb3.files import write_entries, write_json
 from hexwar_sb3.folders import holding
 from hexwar_sb3.kinds import read_fields
 from hexwar_sb3.players.frozen import FrozenPolicy
@@ -133,6 +133,26 @@ def play_meetings(
         with holding(folder, "tournament"):
             run_jobs(play, missing, jobs, "match")
     return Table({meeting: match.read() for meeting, match in matches.items()})
+
+
+def pack(table: Table, path: Path) -> None:
+    """Write all matches of a table into one file, a line each, that `unpack` takes apart."""
+    write_entries(path, {meeting.file: row for meeting, row in table.rows.items()})
+
+
+def unpack(path: Path, folder: Path) -> None:
+    """Write the matches of a packed file into a folder, where they are missing; what they say is checked as they are read.
+
+    Raises:
+        FileFormatError: the file is broken, or a name in it is no match's.
+    """
+    rows = read_json(path, "matches") if path.exists() else {}
+    for name, row in rows.items():
+        if Path(name).name != name or Path(name).suffix != ".json" or not isinstance(row, dict):
+            raise FileFormatError(path, name[:60], found=repr(row)[:60], expected="a match")
+        if not (folder / name).exists():
+            folder.mkdir(parents=True, exist_ok=True)
+            write_json(folder / name, row)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -255,8 +275,7 @@ def play(match: Match) -> None:
     named = replace(result, red_name=meeting.red, blue_name=meeting.blue)
     games = "".join(LETTERS[score] for score in result.red.scores)
     row = {**named.summary(), **match.head(), "red_games": games}
-    with replacing(match.path) as temporary:
-        temporary.write_text(json.dumps(row) + "\n", encoding="utf-8")
+    write_json(match.path, row)
 
 
 def fingerprint(player: object) -> str:

@@ -5,14 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from math import isnan
-from pathlib import Path
 from typing import Any
 
 from hexwar_sb3.errors import FileFormatError
 from hexwar_sb3.evaluation.intervals import Estimate
 from hexwar_sb3.evaluation.opponents import OPPONENTS
 from hexwar_sb3.evaluation.panel import BOTS
-from hexwar_sb3.experiments.page_file import FILE, PageRow, rows_on
+from hexwar_sb3.experiments.kept import RUNS, Kept, PageRow
 from hexwar_sb3.experiments.runs import (
     FLAT_DQN,
     NO_PLANS,
@@ -119,14 +118,16 @@ def summary(all_runs: Sequence[Run], places: Places) -> list[dict[str, Any]]:
     ]
 
 
-def figures_of(kept: Path) -> dict[tuple[str, str], float]:
+def figures_of(kept: Kept) -> dict[tuple[str, str], float]:
     """Figures of the trained player on a page by (opponent, quantity); both colours together."""
-    rows, figures = rows_on(kept), {}
+    rows, figures = kept.rows(), {}
     for opponent in BOTS:
         cells = [row for row in rows if (row.player, row.opponent) == ("trained", opponent)]
         if not cells:
             found, expected = "no row", f"rows of the trained player against {opponent}"
-            raise FileFormatError(kept / FILE, "rows", found=found, expected=expected)
+            raise FileFormatError(
+                kept.folder / RUNS, f"{kept.name}.page.rows", found=found, expected=expected
+            )
         for quantity in QUANTITIES:
             figures[opponent, quantity] = sum(_value(cell, quantity) for cell in cells) / len(cells)
     return figures

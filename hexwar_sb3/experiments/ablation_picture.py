@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from hexwar_sb3.evaluation.panel import BOTS
 from hexwar_sb3.experiments.ablation import BASE
-from hexwar_sb3.experiments.curve import ALL, read_band
+from hexwar_sb3.experiments.curve import ALL, band
 from hexwar_sb3.experiments.runs import Places, Run
 from hexwar_sb3.files import replacing
 
@@ -37,10 +37,10 @@ def draw(rows: Sequence[Mapping[str, Any]], all_runs: Sequence[Run], places: Pla
     margins, curves = figure.subplots(1, 2)
     _draw_margins(margins, there)
     for k, name in enumerate(name for name in CURVES if name in {row["row"] for row in there}):
-        kept = [places.kept(run) / "curve.csv" for run in all_runs if run.row == name and places.is_kept(run)]
-        band = read_band(kept, ALL, "mean_margin")
-        curves.plot(band.ticks / MILLION, band.mean, color=f"C{k}", marker="o", markersize=3, label=name)
-        curves.fill_between(band.ticks / MILLION, band.low, band.high, color=f"C{k}", alpha=0.15, linewidth=0)
+        kept = [places.kept(run) for run in all_runs if run.row == name and places.is_kept(run)]
+        mean = band([one.curve(ALL) for one in kept], "mean_margin")
+        curves.plot(mean.ticks / MILLION, mean.mean, color=f"C{k}", marker="o", markersize=3, label=name)
+        curves.fill_between(mean.ticks / MILLION, mean.low, mean.high, color=f"C{k}", alpha=0.15, linewidth=0)
     curves.set(xlabel="game time, million ticks", ylabel="mean margin, points", title="learning curves")
     for axes in (margins, curves):
         axes.grid(alpha=0.3)

@@ -1,9 +1,9 @@
-"""`curve.csv`: the learning curve of a run, against each opponent and against all."""
+"""`curves.csv`: the learning curves of the runs of an experiment, against each opponent and against all."""
 
 from __future__ import annotations
 
 import csv
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -18,6 +18,7 @@ from hexwar_sb3.evaluation.results import CampResult
 from hexwar_sb3.files import replacing
 
 ALL = "all"  # opponents, joined
+RUN = "run"  # head of the column of its name
 HEADS = (
     *("env_steps", "games", "game_ticks", "opponent"),
     *("win_rate", "win_rate_low", "win_rate_high"),
@@ -58,26 +59,33 @@ def curve_rows(
             yield dict(zip(HEADS, row, strict=True))
 
 
-def write_curve(path: Path, rows: Iterator[dict[str, Any]]) -> None:
-    """Write `curve.csv`."""
-    with replacing(path) as temporary, temporary.open("w", encoding="utf-8", newline="") as file:
-        writer = csv.DictWriter(file, HEADS, lineterminator="\n")
-        writer.writeheader()
-        writer.writerows(
-            {key: f"{value:.6g}" if isinstance(value, float) else value for key, value in row.items()}
-            for row in rows
-        )
-
-
-def read_curve(path: Path, opponent: str) -> dict[str, list[float]]:
-    """Columns of `curve.csv` against one opponent.
+def write_curve(path: Path, run: str, rows: Iterable[Mapping[str, Any]]) -> None:
+    """Put the curve of a run into the table; its rows of before go.
 
     Raises:
-        FileFormatError: it is broken, or has no row of this opponent.
+        FileFormatError: the table is broken.
     """
-    rows = [row for row in read_rows(path) if row.get("opponent") == opponent]
+    others = [row for row in (read_rows(path) if path.exists() else []) if row.get(RUN) != run]
+    own = [{RUN: run, **{key: _written(value) for key, value in row.items()}} for row in rows]
+    with replacing(path) as temporary, temporary.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.DictWriter(file, (RUN, *HEADS), extrasaction="ignore", lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(sorted([*others, *own], key=lambda row: row[RUN] or ""))
+
+
+def _written(value: object) -> object:
+    return f"{value:.6g}" if isinstance(value, float) else value
+
+
+def read_curve(path: Path, run: str, opponent: str) -> dict[str, list[float]]:
+    """Columns of a run's curve against one opponent.
+
+    Raises:
+        FileFormatError: the table is broken, or has no row of this run and opponent.
+    """
+    rows = [row for row in read_rows(path) if (row.get(RUN), row.get("opponent")) == (run, opponent)]
     if not rows:
-        raise FileFormatError(path, "opponent", found="no row", expected=f"rows of {opponent!r}")
+        raise FileFormatError(path, run, found="no row", expected=f"rows against {opponent!r}")
     numbers = [head for head in HEADS if head != "opponent"]
     return {head: [number_in(row, head, path) for row in rows] for head in numbers}
 
@@ -92,9 +100,8 @@ class Band:
     high: NDArray[np.float64]
 
 
-def read_band(paths: Sequence[Path], opponent: str, quantity: str) -> Band:
-    """The curves of one or more seeds against one opponent, at the ticks of the first one."""
-    curves = [read_curve(path, opponent) for path in paths]
+def band(curves: Sequence[Mapping[str, list[float]]], quantity: str) -> Band:
+    """The curves of one or more seeds, as `read_curve` gives them, at the ticks of the first one."""
     ticks = np.array(curves[0]["game_ticks"])
     values = np.array([np.interp(ticks, curve["game_ticks"], curve[quantity]) for curve in curves])
     low, high = values.min(axis=0), values.max(axis=0)

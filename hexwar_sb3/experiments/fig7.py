@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 
 from hexwar_sb3.algorithms.presets import PRESETS
 from hexwar_sb3.evaluation.panel import BOTS
-from hexwar_sb3.experiments.curve import read_band
-from hexwar_sb3.experiments.page_file import minutes_on
+from hexwar_sb3.experiments.curve import band
+from hexwar_sb3.experiments.kept import Kept
 from hexwar_sb3.experiments.runs import (
     FLAT_DQN,
     RIVAL_DQN,
@@ -90,7 +90,7 @@ def draw(all_runs: Sequence[Run], places: Places, path: Path) -> None:
 
 
 def _draw_method(
-    axes: Axes, method: str, kept: list[Path], opponent: str, quantity: str, game_ticks: int
+    axes: Axes, method: str, kept: list[Kept], opponent: str, quantity: str, game_ticks: int
 ) -> None:
     """Draw the mean over seeds; the band reaches from the lowest to the highest seed, or is a single seed's interval.
 
@@ -98,14 +98,14 @@ def _draw_method(
     """
     if not kept:
         return
-    band = read_band([folder / "curve.csv" for folder in kept], opponent, quantity)
-    games, color = band.ticks / game_ticks, f"C{list(METHODS).index(method)}"
-    axes.plot(games, band.mean, color=color, marker="o", markersize=3, label=_label(method, kept))
-    axes.fill_between(games, band.low, band.high, color=color, alpha=0.25, linewidth=0)
+    mean = band([one.curve(opponent) for one in kept], quantity)
+    games, color = mean.ticks / game_ticks, f"C{list(METHODS).index(method)}"
+    axes.plot(games, mean.mean, color=color, marker="o", markersize=3, label=_label(method, kept))
+    axes.fill_between(games, mean.low, mean.high, color=color, alpha=0.25, linewidth=0)
 
 
-def _label(method: str, kept: list[Path]) -> str:
-    minutes = fmean(map(minutes_on, kept))
+def _label(method: str, kept: list[Kept]) -> str:
+    minutes = fmean(one.minutes for one in kept)
     return f"{METHODS[method]}, {len(kept)} seed{'s' * (len(kept) > 1)}, {minutes:.0f} min each"
 
 

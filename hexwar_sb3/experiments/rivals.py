@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 
 from hexwar_sb3.evaluation.panel import BOTS
-from hexwar_sb3.experiments.page_file import rows_on
 from hexwar_sb3.experiments.runs import NO_PLANS, RIVAL_DQN, TASK_PPO, Budget, Places, Run, baseline_run
 
 NAME, GAMES, FINAL_GAMES = "rivals", 2_000, 200
@@ -78,7 +77,7 @@ def summary(all_runs: Sequence[Run], places: Places) -> list[dict[str, Any]]:
 
 
 def _row(run: Run, places: Places) -> dict[str, Any]:
-    own = [row for row in rows_on(places.kept(run)) if row.player == "trained" and row.opponent in BOTS]
+    own = [row for row in places.kept(run).rows() if row.player == "trained" and row.opponent in BOTS]
     return {
         "rival": run.row.partition("-")[0],
         "run": run.name,

@@ -9,6 +9,7 @@ from enum import StrEnum
 from pathlib import Path
 
 from hexwar_sb3.errors import ConfigError, FileFormatError, UnknownNameError
+from hexwar_sb3.experiments.kept import Kept
 from hexwar_sb3.players.terms import DECISION_TICKS, Terms
 from hexwar_sb3.reading import read_bytes
 
@@ -124,12 +125,12 @@ def _words(numbers: dict[str, int]) -> tuple[str, ...]:
 class Places:
     """Where results are kept, and where runs work."""
 
-    results: Path  # committed: small files, RESULTS/EXPERIMENT/RUN/
+    results: Path  # committed: RESULTS/EXPERIMENT/runs.json and what lies beside it
     work: Path  # run folders, WORK/EXPERIMENT/RUN_k/
 
-    def kept(self, run: Run) -> Path:
-        """Folder of a run's results."""
-        return self.results / run.experiment / run.name
+    def kept(self, run: Run) -> Kept:
+        """A run's results."""
+        return Kept(self.results / run.experiment, run.name)
 
     def log(self, run: Run) -> Path:
         """What a run prints."""
@@ -159,14 +160,12 @@ class Places:
             ConfigError: another command made them.
         """
         kept = self.kept(run)
-        if not kept.exists():
-            return False
-        if command_in(kept) != run.command:
+        if kept.is_there and kept.command != run.command:
             raise ConfigError(
-                f"{kept} was made by `{command_in(kept)}`, not by `{run.command}`; "
-                "choose another --results, or remove it"
+                f"{run.name} in {kept.folder} was made by `{kept.command}`, not by `{run.command}`; "
+                "choose another --results, or remove its line"
             )
-        return True
+        return kept.is_there
 
     def state(self, run: Run) -> State:
         """How far a run is."""

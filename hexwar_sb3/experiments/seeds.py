@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from statistics import fmean, stdev
 from typing import Any
@@ -10,7 +10,7 @@ from typing import Any
 from hexwar_sb3.evaluation.matches import CAMPS
 from hexwar_sb3.evaluation.panel import BOTS
 from hexwar_sb3.experiments.fig7 import hierarchy
-from hexwar_sb3.experiments.page_file import PageRow, rows_on
+from hexwar_sb3.experiments.kept import PageRow
 from hexwar_sb3.experiments.runs import NO_PLANS, Budget, Places, Run, hrl_run
 
 NAME, GAMES, FINAL_GAMES = "seeds", 10_000, 2_000
@@ -42,18 +42,25 @@ def runs(budget: Budget, seeds: Sequence[int]) -> list[Run]:
     return [replace(run, with_policy=run.row != "single-q") for run in found]
 
 
-def summary(all_runs: Sequence[Run], places: Places) -> list[dict[str, Any]]:
-    """One JSON object a training, opponent and camp: win rates by seed, their mean, worst and standard deviation."""
+def summary(
+    all_runs: Sequence[Run], places: Places, names: Mapping[str, str] = NAMES
+) -> list[dict[str, Any]]:
+    """One JSON object a training, opponent and camp: win rates by seed, their mean, worst and standard deviation.
+
+    Args:
+        all_runs: of the table.
+        places: of their results.
+        names: what trainings are called, where not as their row.
+    """
     rows: list[dict[str, Any]] = []
     for name in dict.fromkeys(run.row for run in all_runs):
         there = [run for run in all_runs if run.row == name and places.is_kept(run)]
         pages = [
-            [row for row in rows_on(places.kept(run), "rows", "others") if row.player == TRAINED]
-            for run in there
+            [row for row in places.kept(run).rows(others=True) if row.player == TRAINED] for run in there
         ]
         about = (
             {
-                "training": NAMES.get(name, name),
+                "training": names.get(name, name),
                 "seeds": [run.seed for run in there],
                 "command": there[0].command,
             }

@@ -16,10 +16,9 @@ from hexwar_sb3.evaluation.intervals import Estimate
 from hexwar_sb3.evaluation.jobs import run_jobs
 from hexwar_sb3.evaluation.matches import Evaluation
 from hexwar_sb3.evaluation.panel import BOTS, CONSTANT_PLANS
-from hexwar_sb3.evaluation.tournament import Meeting, Table, play_meetings
+from hexwar_sb3.evaluation.tournament import Meeting, Table, pack, play_meetings, unpack
 from hexwar_sb3.experiments.carry_out import carry_out
 from hexwar_sb3.experiments.fig7 import hierarchy
-from hexwar_sb3.experiments.page_file import FILE, minutes_on
 from hexwar_sb3.experiments.runs import Budget, Places, Run, hrl_run
 from hexwar_sb3.folders import holding, making
 from hexwar_sb3.league.cai import DISTILLED, LEARNED, CaiSpec, make_cai
@@ -30,6 +29,7 @@ from hexwar_sb3.league.member import BOTH, CAMPS, NETWORKS
 from hexwar_sb3.league.picture import draw_league
 from hexwar_sb3.league.settings import LeagueSettings
 from hexwar_sb3.players.terms import Terms
+from hexwar_sb3.reading import read_json
 
 NAME = "table1"
 ROWS = ("HRL0", "HRL1", "HRL2", "CAI")
@@ -116,7 +116,7 @@ class Table1:
         """How far each stage is."""
         league, combined = self.kept / "league", [self.policy("CAI", side).is_dir() for side in self.sides]
         done = [k for k in range(self.settings.iterations + 1) if (league / f"iteration_{k:02d}").is_dir()]
-        played = len(list((self.kept / "matches").glob("*.json")))
+        played = len(read_json(self.matches) if self.matches.exists() else [])
         return {
             **{f"warm-up {run.name}": self.places.state(run) for run in (*self.warm_ups(), self.broad())},
             "iterations of the league": f"{max(done, default=0)} of {self.settings.iterations}",
@@ -130,7 +130,7 @@ class Table1:
         if not folder.exists() and kept.exists():
             with making(folder) as made:
                 shutil.copytree(kept, made, dirs_exist_ok=True)
-        starters = {run.name: self.places.kept(run) / "policy" for run in self.warm_ups()}
+        starters = {run.name: self.places.kept(run).policy for run in self.warm_ups()}
         return League.create(folder, self.settings, starters)
 
     def _after(self, league: League, k: int, say: Say) -> None:
@@ -203,7 +203,7 @@ class Table1:
                 "HRL0": first[camp][0].folder,
                 "HRL1": last[camp][0].folder,
                 "HRL2": last[camp][1].folder,
-                BROAD: self.places.kept(self.broad()) / "policy",
+                BROAD: self.places.kept(self.broad()).policy,
                 DISTILLED: combined / DISTILLED,
                 "CAI": combined / LEARNED,
             }
@@ -234,15 +234,23 @@ class Table1:
     def measure(self) -> Table:
         """Play the matches of the table."""
         reds, blues = (self.players(camp) for camp in CAMPS)
-        folder, meetings = self.kept / "matches", self.meetings()
+        folder, meetings = self.work / "matches", self.meetings()
+        unpack(self.matches, folder)
         is_whole = all((folder / meeting.file).exists() for meeting in meetings)
         with nullcontext() if is_whole else measured(self.kept, "matches"):
-            return play_meetings(meetings, reds, blues, self.evaluation, folder, jobs=self.jobs)
+            table = play_meetings(meetings, reds, blues, self.evaluation, folder, jobs=self.jobs)
+        pack(table, self.matches)
+        return table
+
+    @property
+    def matches(self) -> Path:
+        """File of all matches."""
+        return self.kept / "matches.json"
 
     def costs(self) -> Cost:
         """Wall and core time of every stage, as far as it was measured."""
         kept = [self.places.kept(run) for run in (*self.warm_ups(), self.broad())]
-        seconds = [60.0 * minutes_on(folder) for folder in kept if (folder / FILE).exists()]
+        seconds = [60.0 * run.minutes for run in kept]
         warm_ups = {"warm-ups": {"wall_s": sum(seconds), "core_s": sum(seconds)}}
         league = [read_cost(self.kept / "league" / f"iteration_{k:02d}") for k in self._iterations]
         return added([warm_ups, *league, read_cost(self.kept)])

@@ -15,7 +15,15 @@ from hexwar_sb3.envs.registration import make_vec_env
 from hexwar_sb3.errors import FileFormatError, HexWarError, PolicyFileError
 from hexwar_sb3.evaluation.jobs import run_jobs
 from hexwar_sb3.evaluation.matches import Evaluation, play_match
-from hexwar_sb3.evaluation.tournament import Match, Meeting, fingerprint, play_meetings, single_round_robin
+from hexwar_sb3.evaluation.tournament import (
+    Match,
+    Meeting,
+    fingerprint,
+    pack,
+    play_meetings,
+    single_round_robin,
+    unpack,
+)
 from hexwar_sb3.players.frozen import FrozenPolicy
 
 PLAYERS: dict[str, object] = {"MA1": "MA1", "near": "nearest", "any": "random"}
@@ -46,6 +54,28 @@ def test_rows_are_those_of_the_matches(tmp_path: Path) -> None:
         )
         / 2
     )
+
+
+def test_a_packed_table_comes_apart_into_the_matches_that_are_missing(tmp_path: Path) -> None:
+    meetings = single_round_robin(list(PLAYERS), ["plain"])
+    table = play_meetings(meetings, PLAYERS, PLAYERS, HOW, tmp_path / "first")
+    pack(table, tmp_path / "matches.json")
+    unpack(tmp_path / "matches.json", tmp_path / "second")
+
+    paths = [tmp_path / "second" / meeting.file for meeting in meetings]
+    times = [path.stat().st_mtime_ns for path in paths]
+    again = play_meetings(meetings, PLAYERS, PLAYERS, HOW, tmp_path / "second")
+    assert again.rows == table.rows
+    assert [path.stat().st_mtime_ns for path in paths] == times
+    assert len((tmp_path / "matches.json").read_text().splitlines()) == 2 + len(meetings)
+
+
+@pytest.mark.parametrize("name", ["../m.json", "/m.json", "m.txt", "", "..", "a\\b/m.json"])
+def test_a_packed_match_stays_in_its_folder(name: str, tmp_path: Path) -> None:
+    (tmp_path / "matches.json").write_text(json.dumps({name: {}}))
+    with pytest.raises(FileFormatError, match=r"matches\.json"):
+        unpack(tmp_path / "matches.json", tmp_path / "folder" / "in")
+    assert not (tmp_path / "folder").exists()
 
 
 def test_what_was_played_is_not_played_again(tmp_path: Path) -> None:

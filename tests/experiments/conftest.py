@@ -13,6 +13,7 @@ import pytest
 from hexwar_sb3.evaluation.history import History
 from hexwar_sb3.evaluation.results import CampResult
 from hexwar_sb3.experiments.keep import keep
+from hexwar_sb3.experiments.kept import Kept
 from hexwar_sb3.experiments.runs import Places, Run
 
 MakeFolder = Callable[..., Path]
@@ -65,10 +66,10 @@ def make_folder(places: Places) -> MakeFolder:
 
 
 @pytest.fixture
-def make_results(places: Places, make_folder: MakeFolder) -> MakeFolder:
+def make_results(places: Places, make_folder: MakeFolder) -> Callable[..., Kept]:
     """Make the kept results of a run."""
 
-    def make(run: Run, **figures: float) -> Path:
+    def make(run: Run, **figures: float) -> Kept:
         keep(run, make_folder(run, **figures), places.kept(run))
         return places.kept(run)
 

@@ -38,23 +38,25 @@ def test_games_are_counted_by_time_whatever_delta_t_is() -> None:
 
 
 def test_games_stay_empty_where_decisions_take_no_fixed_time(tmp_path: Path) -> None:
-    path = tmp_path / "curve.csv"
+    path = tmp_path / "curves.csv"
 
     write_curve(
-        path, curve_rows(History([600], [180_000], [RESULT]), ["MA1"], decision_ticks=None, game_ticks=1800)
+        path,
+        "one",
+        curve_rows(History([600], [180_000], [RESULT]), ["MA1"], decision_ticks=None, game_ticks=1800),
     )
 
-    assert path.read_text(encoding="utf-8").splitlines()[1].startswith("600,,180000,all,0.375,")
-    assert np.isnan(read_curve(path, "MA1")["games"]).all()
+    assert path.read_text(encoding="utf-8").splitlines()[1].startswith("one,600,,180000,all,0.375,")
+    assert np.isnan(read_curve(path, "one", "MA1")["games"]).all()
 
 
 def test_a_curve_comes_back_from_its_file(tmp_path: Path) -> None:
-    path = tmp_path / "curve.csv"
+    path = tmp_path / "curves.csv"
     history = History([0, 2400], [0, 180_000], [RESULT, RESULT])
 
-    write_curve(path, curve_rows(history, ["MA1", "MA2"], decision_ticks=75, game_ticks=1800))
+    write_curve(path, "one", curve_rows(history, ["MA1", "MA2"], decision_ticks=75, game_ticks=1800))
 
-    assert path.read_text(encoding="utf-8").splitlines()[0] == ",".join(HEADS)
-    assert read_curve(path, "MA2")["mean_margin"] == [-60.0, -60.0]
-    assert read_curve(path, "MA1")["games"] == [0.0, 100.0]
-    assert read_curve(path, "MA1")["win_rate_low"] == pytest.approx([wilson(1.5, 2).low] * 2, rel=1e-5)
+    assert path.read_text(encoding="utf-8").splitlines()[0] == "run," + ",".join(HEADS)
+    assert read_curve(path, "one", "MA2")["mean_margin"] == [-60.0, -60.0]
+    assert read_curve(path, "one", "MA1")["games"] == [0.0, 100.0]
+    assert read_curve(path, "one", "MA1")["win_rate_low"] == pytest.approx([wilson(1.5, 2).low] * 2, rel=1e-5)

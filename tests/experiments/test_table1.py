@@ -15,6 +15,7 @@ from hexwar_sb3.commands.output import table as lay_out
 from hexwar_sb3.envs.registration import make_vec_env
 from hexwar_sb3.evaluation.panel import CONSTANT_PLANS
 from hexwar_sb3.evaluation.tournament import Meeting, Table
+from hexwar_sb3.experiments.kept import Record
 from hexwar_sb3.experiments.runs import Places
 from hexwar_sb3.experiments.table1 import BROAD, COLUMNS, FURTHER, ROWS, Table1
 from hexwar_sb3.experiments.table1_page import PAPER, bar, in_words, missed, no_worse, rows, write
@@ -82,8 +83,9 @@ def small(folder: Path, **settings: Any) -> Table1:
     env = make_vec_env(n_envs=1, privileged_state=True, seed=0)
     for run in (*made.warm_ups(), made.broad()):
         model = QMIX("TaskPolicy", env, seed=run.seed, buffer_size=10)
-        as_member(model, side="both", scenario="plain").save(places.kept(run) / "policy")
-        (places.kept(run) / "command.txt").write_text(run.command + "\n")
+        kept, policy = places.kept(run), folder / run.name
+        as_member(model, side="both", scenario="plain").save(policy)
+        kept.put(Record(command=run.command, config={}, page={"minutes": 1.0}), [], policy)
     return made
 
 
@@ -156,13 +158,16 @@ def test_a_copy_that_was_broken_off_is_not_taken_for_whole(
 def test_what_is_committed_is_enough_to_go_on(pipeline: Table1) -> None:
     pipeline.run(lambda _: None)
     shutil.rmtree(pipeline.work)
-    for match in list((pipeline.kept / "matches").glob("*CAI*")):
-        match.unlink()
+    matches = json.loads(pipeline.matches.read_text())
+    some = {name: row for name, row in matches.items() if "CAI" not in name}
+    pipeline.matches.write_text(json.dumps(some))
     policies = {path: path.read_bytes() for path in pipeline.kept.rglob("weights.safetensors")}
     pipeline.run(lambda _: None)
 
     assert not (pipeline.work / "cai").exists()
     assert policies == {path: path.read_bytes() for path in pipeline.kept.rglob("weights.safetensors")}
+    assert json.loads(pipeline.matches.read_text()) == matches
+    assert 0 < len(some) < len(matches)
     assert pipeline.states()["matches"] == f"{len(pipeline.meetings())} of {len(pipeline.meetings())}"
 
 
