@@ -12,6 +12,7 @@ from stable_baselines3.common.vec_env import VecEnv
 from hexwar_sb3.algorithms.qmix import QMIX
 from hexwar_sb3.envs.settings import TaskSettings
 from hexwar_sb3.errors import ConfigError
+from hexwar_sb3.evaluation.opponents import broad_mixture
 from hexwar_sb3.folders import holding
 from hexwar_sb3.league.league import League
 from hexwar_sb3.league.member import BOTH, CAMPS, as_member
@@ -63,7 +64,8 @@ class GroupedSelfPlayCallback(BaseCallback):
         model = self._model()
         played = cast("TaskSettings", cast("VecEnv", model.get_env()).get_attr("games")[0].settings)
         own: dict[str, Any] = {"split": played.side != BOTH, **model.policy.sizes}
-        self.settings = self.given or LeagueSettings(**own)
+        met = broad_mixture(played.scenario)
+        self.settings = self.given or LeagueSettings(opponents=met, **own)
         if played.scenario != self.settings.scenario:
             raise ConfigError(f"the league plays {self.settings.scenario}, the model's env {played.scenario}")
         widths = {"hidden": self.settings.hidden, "embed": self.settings.embed}

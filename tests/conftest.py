@@ -53,7 +53,7 @@ def scramble_unseen(arena: Any, b: int, camp: Camp, rng: np.random.Generator) ->
     game.loss_tick[enemy], game.contact_tick[enemy] = rng.integers(0, 100, 2)
     state.memory[b, enemy] = state.memory[b, camp]
     state.paths[b, side] = 3
-    arena.plans[b, side] = arena.plans[b, 0]
+    arena.missions[b, side] = arena.missions[b, 0]
     for r in range(state.rounds.shape[1]):
         flying = state.rounds[b, r].camp == enemy and state.rounds[b, r].status != 2
         if flying:

@@ -20,35 +20,35 @@ from hexwar_sb3.maps.cells import Cells, Sightlines, TravelTimes
 from hexwar_sb3.rules.compiled import RulesRecord
 from hexwar_sb3.rules.indices import CampIndex, piece_range
 from hexwar_sb3.tasks.known import end_piece, first_piece
-from hexwar_sb3.tasks.records import Plans
+from hexwar_sb3.tasks.records import Missions
 
 
 @kernel
 def bot_act(
     bot: int, camp: CampIndex, game: GameRecord, pieces: Pieces, memory: Memory, rounds: Rounds, orders: Orders,
-    plans: Plans, brains: Rows, rules: RulesRecord, cells: Cells, los: Sightlines, eta: TravelTimes, atlas: AtlasRecord,
+    missions: Missions, brains: Rows, rules: RulesRecord, cells: Cells, los: Sightlines, eta: TravelTimes, atlas: AtlasRecord,
 ) -> None:  # fmt: skip
-    """Let a bot look at its game at an event tick: it may choose plans and give direct orders."""
+    """Let a bot look at its game at an event tick: it may choose missions and give direct orders."""
     brain = brains[camp]
     config = atlas.config
     thinks = is_time_to_think(camp, game, brain, config)
     if bot == Bot.ATTACK or bot == Bot.DEFENCE:
         style = atlas.style[bot]
         if thinks:
-            think(style, camp, game, pieces, memory, rounds, plans, brain, rules, cells, los, eta, atlas)
+            think(style, camp, game, pieces, memory, rounds, missions, brain, rules, cells, los, eta, atlas)
         support(style, camp, game, pieces, memory, rounds, orders, brain, rules, cells, config)
     elif bot == Bot.DRAWN or bot == Bot.UNSEEN:
         if brain.thoughts == 1 and thinks:
             draw_player(bot, camp, game, pieces, brain.drawn)
         if thinks and bot == Bot.DRAWN:
-            think_drawn(camp, game, pieces, memory, rounds, plans, brain, rules, cells, los, eta, atlas)
+            think_drawn(camp, game, pieces, memory, rounds, missions, brain, rules, cells, los, eta, atlas)
         elif thinks:
-            think_unseen(camp, game, pieces, memory, plans, brain, rules, cells, atlas)
+            think_unseen(camp, game, pieces, memory, missions, brain, rules, cells, atlas)
         support(brain.drawn.style, camp, game, pieces, memory, rounds, orders, brain, rules, cells, config)
     elif thinks and bot == Bot.RANDOM:
-        act_at_random(camp, game, pieces, orders, plans, brain, rules, cells, config)
+        act_at_random(camp, game, pieces, orders, missions, brain, rules, cells, config)
     elif thinks:
-        climb(bot, camp, game, pieces, memory, plans, rules, cells, eta, atlas)
+        climb(bot, camp, game, pieces, memory, missions, rules, cells, eta, atlas)
 
 
 @kernel
@@ -94,7 +94,7 @@ def support(
 
 @kernel
 def think(
-    style: Style, camp: CampIndex, game: GameRecord, pieces: Pieces, memory: Memory, rounds: Rounds, plans: Plans, brain: BrainRecord,
+    style: Style, camp: CampIndex, game: GameRecord, pieces: Pieces, memory: Memory, rounds: Rounds, missions: Missions, brain: BrainRecord,
     rules: RulesRecord, cells: Cells, los: Sightlines, eta: TravelTimes, atlas: AtlasRecord,
 ) -> None:  # fmt: skip
     """One thought of a full player: what is known, who takes and keeps which point, what everybody does."""
@@ -105,7 +105,7 @@ def think(
     brain.rush = game.tick >= config.endgame_tick and known_lead(camp, game, pieces, memory, rules) < 0
     choose_people(style, camp, game, pieces, brain, rules, cells, eta, config)
     move_idle(camp, game, pieces, memory, brain, cells, config, atlas)
-    order_duties(style, camp, game, pieces, memory, rounds, plans, brain, rules, cells, los, eta, atlas)
+    order_duties(style, camp, game, pieces, memory, rounds, missions, brain, rules, cells, los, eta, atlas)
 
 
 @kernel

@@ -16,7 +16,7 @@ from hexwar_sb3.tasks.known import end_piece, first_piece
 
 LAST_DUTY, LAST_EVENT, LAST_PILOT = max(Duty).value, max(Event).value, max(Pilot).value
 _S11, _UNIT = np.uint64(11), 2.0**-53
-_STYLE, _PLAN, _SQUAD, _STAGE, _SLOT = 0, 100, 200, 300, 400  # places of the numbers
+_STYLE, _CONDUCT, _SQUAD, _STAGE, _SLOT = 0, 100, 200, 300, 400  # places of the numbers
 
 
 @kernel
@@ -57,7 +57,7 @@ def draw_player(bot: int, camp: CampIndex, game: GameRecord, pieces: Pieces, dra
     draw_style(key, drawn.style)
     draw_squads(key, camp, game, pieces, drawn)
     if bot == Bot.DRAWN:
-        draw_plan(key, game, drawn)
+        draw_conduct(key, game, drawn)
     else:
         draw_timetable(key, game, drawn)
 
@@ -115,23 +115,23 @@ def draw_squads(
 
 
 @kernel
-def draw_plan(key: np.uint64, game: GameRecord, drawn: CharacterRecord) -> None:
+def draw_conduct(key: np.uint64, game: GameRecord, drawn: CharacterRecord) -> None:
     """What a member of "drawn" does in its own way."""
     end, last_point = int(game.end_tick), max(0, int(game.n_points) - 1)
     for s in range(SQUADS):
-        feints = one_in(0.25, key, _PLAN + s)
-        drawn.feint[s] = whole(0, last_point, key, _PLAN + 10 + s)
-        drawn.turn[s] = feints * whole(end // 6, end * 2 // 3, key, _PLAN + 20 + s)
-        hunts = one_in(0.3, key, _PLAN + 30 + s)
-        drawn.hunt[s] = whole(0, end, key, _PLAN + 40 + s) if hunts else end
-    drawn.staged = one_in(0.5, key, _PLAN + 50)
-    drawn.stubborn = one_in(0.3, key, _PLAN + 51)
-    drawn.dealt = one_in(0.4, key, _PLAN + 52)
-    drawn.pilot = whole(0, LAST_PILOT, key, _PLAN + 53)
-    drawn.rush = whole(end // 2, end, key, _PLAN + 54)
-    drawn.reckless = one_in(0.3, key, _PLAN + 55)
-    drawn.retreat_blood = one_in(0.4, key, _PLAN + 56) * whole(1, 3, key, _PLAN + 57)
-    drawn.retreat_threat = between(1.0, 8.0, key, _PLAN + 58)
+        feints = one_in(0.25, key, _CONDUCT + s)
+        drawn.feint[s] = whole(0, last_point, key, _CONDUCT + 10 + s)
+        drawn.turn[s] = feints * whole(end // 6, end * 2 // 3, key, _CONDUCT + 20 + s)
+        hunts = one_in(0.3, key, _CONDUCT + 30 + s)
+        drawn.hunt[s] = whole(0, end, key, _CONDUCT + 40 + s) if hunts else end
+    drawn.staged = one_in(0.5, key, _CONDUCT + 50)
+    drawn.stubborn = one_in(0.3, key, _CONDUCT + 51)
+    drawn.dealt = one_in(0.4, key, _CONDUCT + 52)
+    drawn.pilot = whole(0, LAST_PILOT, key, _CONDUCT + 53)
+    drawn.rush = whole(end // 2, end, key, _CONDUCT + 54)
+    drawn.reckless = one_in(0.3, key, _CONDUCT + 55)
+    drawn.retreat_blood = one_in(0.4, key, _CONDUCT + 56) * whole(1, 3, key, _CONDUCT + 57)
+    drawn.retreat_threat = between(1.0, 8.0, key, _CONDUCT + 58)
 
 
 @kernel
@@ -150,5 +150,5 @@ def draw_timetable(key: np.uint64, game: GameRecord, drawn: CharacterRecord) -> 
         drawn.what[s, STAGES - 1] = whole(
             0, Duty.CHASE, key, _STAGE + 150 + s
         )  # whoever ends elsewhere has no points
-    drawn.quiet = one_in(0.2, key, _PLAN) * whole(1, end // 3, key, _PLAN + 1)
-    drawn.rides = one_in(0.6, key, _PLAN + 2)
+    drawn.quiet = one_in(0.2, key, _CONDUCT) * whole(1, end // 3, key, _CONDUCT + 1)
+    drawn.rides = one_in(0.6, key, _CONDUCT + 2)

@@ -1,9 +1,9 @@
-"""What each piece of the two full players does next: plans for the shared executor (bots.md)."""
+"""What each piece of the two full players does next: missions for the shared executor (bots.md)."""
 
 from __future__ import annotations
 
 from hexwar_sb3.bots.config import Style
-from hexwar_sb3.bots.plans import give_plan
+from hexwar_sb3.bots.missions import give_mission
 from hexwar_sb3.bots.points import may_enter
 from hexwar_sb3.bots.posts import choose_post
 from hexwar_sb3.bots.records import AtlasRecord, BrainRecord
@@ -19,20 +19,20 @@ from hexwar_sb3.rules.enums import PieceType
 from hexwar_sb3.rules.indices import CampIndex, PieceIndex, SlotIndex, piece_range, point_range
 from hexwar_sb3.tasks.known import end_piece, first_piece, ticks_left
 from hexwar_sb3.tasks.phi import has_flying_round
-from hexwar_sb3.tasks.records import Plans, TaskKind
+from hexwar_sb3.tasks.records import Missions, TaskKind
 from hexwar_sb3.tasks.travel import travel_ticks
 
 
 @kernel
 def order_duties(
-    style: Style, camp: CampIndex, game: GameRecord, pieces: Pieces, memory: Memory, rounds: Rounds, plans: Plans, brain: BrainRecord,
+    style: Style, camp: CampIndex, game: GameRecord, pieces: Pieces, memory: Memory, rounds: Rounds, missions: Missions, brain: BrainRecord,
     rules: RulesRecord, cells: Cells, los: Sightlines, eta: TravelTimes, atlas: AtlasRecord,
 ) -> None:  # fmt: skip
-    """Give every piece of the camp that is on the map its plan."""
+    """Give every piece of the camp that is on the map its mission."""
     for i in piece_range(first_piece(camp, game), end_piece(camp, game)):
         if takes_orders(pieces[i], game):
             order_duty(
-                style, i, camp, game, pieces, memory, rounds, plans, brain, rules, cells, los, eta, atlas
+                style, i, camp, game, pieces, memory, rounds, missions, brain, rules, cells, los, eta, atlas
             )
 
 
@@ -44,19 +44,19 @@ def takes_orders(piece: PieceRecord, game: GameRecord) -> bool:
 
 @kernel
 def order_duty(
-    style: Style, i: PieceIndex, camp: CampIndex, game: GameRecord, pieces: Pieces, memory: Memory, rounds: Rounds, plans: Plans, brain: BrainRecord,
+    style: Style, i: PieceIndex, camp: CampIndex, game: GameRecord, pieces: Pieces, memory: Memory, rounds: Rounds, missions: Missions, brain: BrainRecord,
     rules: RulesRecord, cells: Cells, los: Sightlines, eta: TravelTimes, atlas: AtlasRecord,
 ) -> None:  # fmt: skip
-    """Give a piece its plan."""
+    """Give a piece its mission."""
     if pieces[i].kind == PieceType.AEROCRAFT:
         cell = scout(style, i, camp, game, pieces, memory, brain, rules, cells, los, atlas)
-        give_plan(style, i, TaskKind.HOLD, cell, game, plans)
+        give_mission(style, i, TaskKind.HOLD, cell, game, missions)
     elif recovers(i, camp, game, pieces, memory, brain, rules, cells):
-        give_plan(style, i, TaskKind.RECOVER, NO_CELL, game, plans)
+        give_mission(style, i, TaskKind.RECOVER, NO_CELL, game, missions)
     elif has_flying_round(i, rounds):
-        stay(style, i, camp, game, pieces, brain, plans)
-    elif not ride(style, i, camp, game, pieces, memory, plans, brain, rules, cells, eta, atlas.config):
-        work(style, i, camp, game, pieces, memory, plans, brain, rules, cells, los, eta, atlas)
+        stay(style, i, camp, game, pieces, brain, missions)
+    elif not ride(style, i, camp, game, pieces, memory, missions, brain, rules, cells, eta, atlas.config):
+        work(style, i, camp, game, pieces, memory, missions, brain, rules, cells, los, eta, atlas)
 
 
 @kernel
@@ -87,49 +87,49 @@ def stay(
     game: GameRecord,
     pieces: Pieces,
     brain: BrainRecord,
-    plans: Plans,
+    missions: Missions,
 ) -> None:
     """Stand where it is."""
     brain.post[SlotIndex(i - first_piece(camp, game))] = pieces[i].cell
-    give_plan(style, i, TaskKind.HOLD, pieces[i].cell, game, plans)
+    give_mission(style, i, TaskKind.HOLD, pieces[i].cell, game, missions)
 
 
 @kernel
 def work(
-    style: Style, i: PieceIndex, camp: CampIndex, game: GameRecord, pieces: Pieces, memory: Memory, plans: Plans, brain: BrainRecord,
+    style: Style, i: PieceIndex, camp: CampIndex, game: GameRecord, pieces: Pieces, memory: Memory, missions: Missions, brain: BrainRecord,
     rules: RulesRecord, cells: Cells, los: Sightlines, eta: TravelTimes, atlas: AtlasRecord,
 ) -> None:  # fmt: skip
     """Take a point, keep one, carry a soldier, or fire from the best post."""
     slot = SlotIndex(i - first_piece(camp, game))
     if pieces[i].passenger != NO_PIECE:
         carry(
-            style, i, brain.point[slot], camp, game, pieces, memory, plans, brain, rules, cells, los, eta,
+            style, i, brain.point[slot], camp, game, pieces, memory, missions, brain, rules, cells, los, eta,
             atlas,
         )  # fmt: skip
         return
     for p in point_range(game.n_points):
         if brain.keeper[p] == slot:
             brain.post[slot] = NO_CELL
-            give_plan(style, i, TaskKind.HIDE, game.point_cell[p], game, plans)
+            give_mission(style, i, TaskKind.HIDE, game.point_cell[p], game, missions)
             return
         if brain.taker[p] == slot and may_enter(style, p, camp, game, pieces, memory, brain, rules, cells):
             brain.post[slot] = NO_CELL
-            give_plan(style, i, TaskKind.HOLD, game.point_cell[p], game, plans)
+            give_mission(style, i, TaskKind.HOLD, game.point_cell[p], game, missions)
             return
     k = brain.point[slot]
     if brain.rush and game.point_owner[k] != camp and pieces[i].kind != PieceType.SOLDIER:
         brain.post[slot] = NO_CELL
-        give_plan(style, i, TaskKind.HOLD, game.point_cell[k], game, plans)
+        give_mission(style, i, TaskKind.HOLD, game.point_cell[k], game, missions)
         return
     if pieces[i].kind == PieceType.SOLDIER:
-        give_plan(style, i, TaskKind.HIDE, pieces[i].cell, game, plans)
+        give_mission(style, i, TaskKind.HIDE, pieces[i].cell, game, missions)
         return
-    take_post(style, i, camp, game, pieces, memory, plans, brain, rules, cells, los, eta, atlas)
+    take_post(style, i, camp, game, pieces, memory, missions, brain, rules, cells, los, eta, atlas)
 
 
 @kernel
 def take_post(
-    style: Style, i: PieceIndex, camp: CampIndex, game: GameRecord, pieces: Pieces, memory: Memory, plans: Plans, brain: BrainRecord,
+    style: Style, i: PieceIndex, camp: CampIndex, game: GameRecord, pieces: Pieces, memory: Memory, missions: Missions, brain: BrainRecord,
     rules: RulesRecord, cells: Cells, los: Sightlines, eta: TravelTimes, atlas: AtlasRecord,
 ) -> None:  # fmt: skip
     """Go to the best post and fire from it; hide there while nobody is in sight."""
@@ -139,7 +139,7 @@ def take_post(
     cell = choose_post(style, i, prey, camp, game, pieces, memory, brain, rules, cells, los, eta, atlas)
     brain.post[SlotIndex(i - first_piece(camp, game))] = cell
     hides = pieces[i].sees == 0 or style.always_hide
-    give_plan(style, i, TaskKind.HIDE if hides else TaskKind.HOLD, cell, game, plans)
+    give_mission(style, i, TaskKind.HIDE if hides else TaskKind.HOLD, cell, game, missions)
 
 
 @kernel

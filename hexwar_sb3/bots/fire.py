@@ -1,6 +1,6 @@
 """Fire that takes two: guided missiles, and mortar rounds with somebody to see them land.
 
-Direct fire is the executor's; a bot only sets its style in the plans.
+Direct fire is the executor's; a bot only sets its style in the missions.
 """
 
 from __future__ import annotations

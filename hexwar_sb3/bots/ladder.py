@@ -15,13 +15,13 @@ from hexwar_sb3.rules.enums import PieceType
 from hexwar_sb3.rules.indices import CampIndex, CellIndex, PieceIndex, SlotIndex, piece_range, point_range
 from hexwar_sb3.tasks.choose import assign
 from hexwar_sb3.tasks.known import can_hurt, end_piece, first_piece, is_known
-from hexwar_sb3.tasks.records import Plans, TaskKind
+from hexwar_sb3.tasks.records import Missions, TaskKind
 from hexwar_sb3.tasks.travel import UNREACHABLE, travel_ticks
 
 
 @kernel
 def climb(
-    bot: int, camp: CampIndex, game: GameRecord, pieces: Pieces, memory: Memory, plans: Plans, rules: RulesRecord, cells: Cells,
+    bot: int, camp: CampIndex, game: GameRecord, pieces: Pieces, memory: Memory, missions: Missions, rules: RulesRecord, cells: Cells,
     eta: TravelTimes, atlas: AtlasRecord,
 ) -> None:  # fmt: skip
     """Give every piece of a simple player its task."""
@@ -35,13 +35,13 @@ def climb(
         else:
             cell = planned_point(bot, SlotIndex(i - first), game, pieces[i], atlas)
         if cell == NO_CELL:
-            hunt(i, camp, game, pieces, memory, plans, rules, cells, atlas)
+            hunt(i, camp, game, pieces, memory, missions, rules, cells, atlas)
         elif pieces[i].passenger != NO_PIECE and pieces[i].cell == cell:
-            assign(plans[i], TaskKind.DROP, NO_PIECE, cell, game.tick)
+            assign(missions[i], TaskKind.DROP, NO_PIECE, cell, game.tick)
         elif bot == Bot.DEFENDER and pieces[i].cell == cell:
-            assign(plans[i], TaskKind.HIDE, NO_PIECE, cell, game.tick)
+            assign(missions[i], TaskKind.HIDE, NO_PIECE, cell, game.tick)
         else:
-            assign(plans[i], TaskKind.HOLD, NO_PIECE, cell, game.tick)
+            assign(missions[i], TaskKind.HOLD, NO_PIECE, cell, game.tick)
 
 
 @kernel
@@ -92,7 +92,7 @@ def hunt(
     game: GameRecord,
     pieces: Pieces,
     memory: Memory,
-    plans: Plans,
+    missions: Missions,
     rules: RulesRecord,
     cells: Cells,
     atlas: AtlasRecord,
@@ -106,6 +106,6 @@ def hunt(
         if apart < least:
             prey, least = j, apart
     if prey != NO_PIECE:
-        assign(plans[i], TaskKind.ATTACK, prey, NO_CELL, game.tick)
+        assign(missions[i], TaskKind.ATTACK, prey, NO_CELL, game.tick)
     elif game.n_points > 0:
-        assign(plans[i], TaskKind.HOLD, NO_PIECE, game.point_cell[atlas.rank[0]], game.tick)
+        assign(missions[i], TaskKind.HOLD, NO_PIECE, game.point_cell[atlas.rank[0]], game.tick)

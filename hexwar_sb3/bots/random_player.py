@@ -19,7 +19,7 @@ from hexwar_sb3.rules.enums import Action, Weapon
 from hexwar_sb3.rules.indices import CampIndex, CellIndex, PieceIndex, piece_range
 from hexwar_sb3.tasks.choose import assign
 from hexwar_sb3.tasks.known import end_piece, first_piece
-from hexwar_sb3.tasks.records import Plans, TaskKind
+from hexwar_sb3.tasks.records import Missions, TaskKind
 
 _ACTIONS, _WEAPONS = len(Action), len(Weapon)
 _S32 = np.uint64(32)
@@ -36,15 +36,15 @@ def draw(count: int, camp: CampIndex, game: GameRecord, brain: BrainRecord) -> i
 
 @kernel
 def act_at_random(
-    camp: CampIndex, game: GameRecord, pieces: Pieces, orders: Orders, plans: Plans, brain: BrainRecord, rules: RulesRecord, cells: Cells,
+    camp: CampIndex, game: GameRecord, pieces: Pieces, orders: Orders, missions: Missions, brain: BrainRecord, rules: RulesRecord, cells: Cells,
     config: BotConfig,
 ) -> None:  # fmt: skip
     """Give every piece a random legal order, if one is found in a few tries."""
     for i in piece_range(first_piece(camp, game), end_piece(camp, game)):
         if not on_map(pieces[i]):
             continue
-        assign(plans[i], TaskKind.HOLD, NO_PIECE, NO_CELL, game.tick)  # an inert task: nothing of its own
-        plans[i].hold_fire = 1
+        assign(missions[i], TaskKind.HOLD, NO_PIECE, NO_CELL, game.tick)  # an inert task: nothing of its own
+        missions[i].hold_fire = 1
         for _ in range(config.random_tries):
             fill_order(i, camp, game, pieces, orders, brain, rules, cells, config)
             if order_code(i, orders[i], game, pieces, rules, cells) == Code.OK:

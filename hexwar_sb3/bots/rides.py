@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from hexwar_sb3.bots.config import BotConfig, Style
-from hexwar_sb3.bots.plans import board, give_plan
+from hexwar_sb3.bots.missions import board, give_mission
 from hexwar_sb3.bots.points import may_enter
 from hexwar_sb3.bots.posts import choose_post
 from hexwar_sb3.bots.records import NOBODY, AtlasRecord, BrainRecord
@@ -17,13 +17,13 @@ from hexwar_sb3.rules.compiled import RulesRecord
 from hexwar_sb3.rules.enums import PieceType
 from hexwar_sb3.rules.indices import CampIndex, PieceIndex, PointIndex, SlotIndex, piece_range
 from hexwar_sb3.tasks.known import end_piece, first_piece
-from hexwar_sb3.tasks.records import Plans, TaskKind
+from hexwar_sb3.tasks.records import Missions, TaskKind
 from hexwar_sb3.tasks.travel import travel_ticks
 
 
 @kernel
 def carry(
-    style: Style, i: PieceIndex, k: PointIndex, camp: CampIndex, game: GameRecord, pieces: Pieces, memory: Memory, plans: Plans, brain: BrainRecord,
+    style: Style, i: PieceIndex, k: PointIndex, camp: CampIndex, game: GameRecord, pieces: Pieces, memory: Memory, missions: Missions, brain: BrainRecord,
     rules: RulesRecord, cells: Cells, los: Sightlines, eta: TravelTimes, atlas: AtlasRecord,
 ) -> None:  # fmt: skip
     """Bring the soldier to its point if that is quiet, else to a post from which it can guide."""
@@ -37,21 +37,21 @@ def carry(
         and may_enter(style, k, camp, game, pieces, memory, brain, rules, cells)
     ):
         brain.post[SlotIndex(i - first)] = NO_CELL
-        give_plan(style, i, TaskKind.HOLD, point, game, plans)
+        give_mission(style, i, TaskKind.HOLD, point, game, missions)
     elif game.point_owner[k] == camp and quiet and brain.keeper[k] == NOBODY:
         brain.post[SlotIndex(i - first)] = NO_CELL
-        give_plan(style, i, TaskKind.DROP, point, game, plans)
+        give_mission(style, i, TaskKind.DROP, point, game, missions)
     else:
         cell = choose_post(
             style, i, NO_PIECE, camp, game, pieces, memory, brain, rules, cells, los, eta, atlas
         )
         brain.post[SlotIndex(i - first)] = cell
-        give_plan(style, i, TaskKind.DROP, cell, game, plans)
+        give_mission(style, i, TaskKind.DROP, cell, game, missions)
 
 
 @kernel
 def ride(
-    style: Style, i: PieceIndex, camp: CampIndex, game: GameRecord, pieces: Pieces, memory: Memory, plans: Plans, brain: BrainRecord,
+    style: Style, i: PieceIndex, camp: CampIndex, game: GameRecord, pieces: Pieces, memory: Memory, missions: Missions, brain: BrainRecord,
     rules: RulesRecord, cells: Cells, eta: TravelTimes, config: BotConfig,
 ) -> bool:  # fmt: skip
     """A soldier far from its work and its idle chariot meet where the soldier stands; False: no such business."""
@@ -60,9 +60,9 @@ def ride(
         if not wants_ride(i, camp, game, pieces, memory, brain, rules, cells, eta, config):
             return False
         if pieces[piece.home].cell == piece.cell:
-            board(style, i, piece.home, game, plans)
+            board(style, i, piece.home, game, missions)
         else:
-            give_plan(style, i, TaskKind.HOLD, piece.cell, game, plans)
+            give_mission(style, i, TaskKind.HOLD, piece.cell, game, missions)
         return True
     if piece.kind != PieceType.CHARIOT or piece.passenger != NO_PIECE:
         return False
@@ -71,7 +71,7 @@ def ride(
             s, camp, game, pieces, memory, brain, rules, cells, eta, config
         ):
             brain.post[SlotIndex(i - first_piece(camp, game))] = NO_CELL
-            give_plan(style, i, TaskKind.HOLD, pieces[s].cell, game, plans)
+            give_mission(style, i, TaskKind.HOLD, pieces[s].cell, game, missions)
             return True
     return False
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from hexwar_sb3.bots.drawn_records import STAGES
 from hexwar_sb3.bots.duties import recovers, takes_orders
-from hexwar_sb3.bots.plans import attack, board, give_plan
+from hexwar_sb3.bots.missions import attack, board, give_mission
 from hexwar_sb3.bots.records import AtlasRecord, BrainRecord
 from hexwar_sb3.bots.registry import Duty, Event
 from hexwar_sb3.bots.weigh import renew_trust
@@ -17,7 +17,7 @@ from hexwar_sb3.rules.compiled import RulesRecord
 from hexwar_sb3.rules.enums import PieceType
 from hexwar_sb3.rules.indices import CampIndex, CellIndex, PieceIndex, PointIndex, SlotIndex, piece_range
 from hexwar_sb3.tasks.known import can_hurt, end_piece, first_piece, is_known
-from hexwar_sb3.tasks.records import Plans, TaskKind
+from hexwar_sb3.tasks.records import Missions, TaskKind
 
 RIDE_CELLS = 6  # a soldier boards for a way that is longer
 MOST_VALUE_APART = 1000.0  # cells that a point of value weighs as much as, for those who pick their prey
@@ -25,7 +25,7 @@ MOST_VALUE_APART = 1000.0  # cells that a point of value weighs as much as, for 
 
 @kernel
 def think_unseen(
-    camp: CampIndex, game: GameRecord, pieces: Pieces, memory: Memory, plans: Plans, brain: BrainRecord, rules: RulesRecord, cells: Cells,
+    camp: CampIndex, game: GameRecord, pieces: Pieces, memory: Memory, missions: Missions, brain: BrainRecord, rules: RulesRecord, cells: Cells,
     atlas: AtlasRecord,
 ) -> None:  # fmt: skip
     """One thought of a member of "drawn-unseen": turn pages, then give every piece what its page says."""
@@ -35,8 +35,8 @@ def think_unseen(
     first = first_piece(camp, game)
     for i in piece_range(first, end_piece(camp, game)):
         if takes_orders(pieces[i], game):
-            follow(i, SlotIndex(i - first), camp, game, pieces, memory, plans, brain, rules, cells, atlas)
-            plans[i].hold_fire = game.tick < brain.drawn.quiet and plans[i].kind != TaskKind.ATTACK
+            follow(i, SlotIndex(i - first), camp, game, pieces, memory, missions, brain, rules, cells, atlas)
+            missions[i].hold_fire = game.tick < brain.drawn.quiet and missions[i].kind != TaskKind.ATTACK
 
 
 @kernel
@@ -60,7 +60,7 @@ def turn_page(s: int, camp: CampIndex, game: GameRecord, brain: BrainRecord, atl
 
 @kernel
 def follow(
-    i: PieceIndex, slot: SlotIndex, camp: CampIndex, game: GameRecord, pieces: Pieces, memory: Memory, plans: Plans, brain: BrainRecord, rules: RulesRecord,
+    i: PieceIndex, slot: SlotIndex, camp: CampIndex, game: GameRecord, pieces: Pieces, memory: Memory, missions: Missions, brain: BrainRecord, rules: RulesRecord,
     cells: Cells, atlas: AtlasRecord,
 ) -> None:  # fmt: skip
     """Give piece i the task of its squad's stage."""
@@ -71,25 +71,25 @@ def follow(
     if game.tick < drawn.start[s]:
         duty = int(Duty.WAIT)
     if recovers(i, camp, game, pieces, memory, brain, rules, cells):
-        give_plan(style, i, TaskKind.RECOVER, NO_CELL, game, plans)
+        give_mission(style, i, TaskKind.RECOVER, NO_CELL, game, missions)
         return
     if duty == Duty.CHASE or duty == Duty.PICK or duty == Duty.SHADOW:
         prey = known_prey(i, duty == Duty.PICK, camp, game, pieces, memory, brain, rules, cells)
         if prey != NO_PIECE:
             shadows = duty == Duty.SHADOW and piece.kind != PieceType.AEROCRAFT
-            attack(style, i, TaskKind.SHADOW if shadows else TaskKind.ATTACK, prey, game, plans)
+            attack(style, i, TaskKind.SHADOW if shadows else TaskKind.ATTACK, prey, game, missions)
             return
     cell = place(duty, slot, camp, game, pieces, brain, cells, atlas)
     if cell == NO_CELL:
         cell = CellIndex(piece.cell)
     if rides(i, cell, pieces, brain, cells):
-        board(style, i, PieceIndex(piece.home), game, plans)
+        board(style, i, PieceIndex(piece.home), game, missions)
     elif piece.passenger != NO_PIECE and piece.cell == cell:
-        give_plan(style, i, TaskKind.DROP, cell, game, plans)
+        give_mission(style, i, TaskKind.DROP, cell, game, missions)
     else:
         hides = duty == Duty.KEEP or duty == Duty.AMBUSH or duty == Duty.WAIT
         hides = hides and piece.kind != PieceType.AEROCRAFT
-        give_plan(style, i, TaskKind.HIDE if hides else TaskKind.HOLD, cell, game, plans)
+        give_mission(style, i, TaskKind.HIDE if hides else TaskKind.HOLD, cell, game, missions)
 
 
 @kernel

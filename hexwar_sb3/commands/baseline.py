@@ -10,7 +10,7 @@ import sys
 from abc import abstractmethod
 from dataclasses import dataclass
 from pathlib import Path
-from time import monotonic
+from time import monotonic, process_time
 from typing import Any, ClassVar, Literal, cast
 
 import torch
@@ -107,6 +107,7 @@ class Baseline:
             title=title,
             n_timesteps=self.games * self.decisions,
             minutes=(monotonic() - start) / 60,
+            core_minutes=process_time() / 60,
         )
         print(text)
         return 0

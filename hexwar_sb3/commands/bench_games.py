@@ -120,21 +120,21 @@ def thought_us(world: World) -> float:
 def _thinker(arena: Arena) -> tuple[Rows, ...]:
     state, world = arena.state, arena.world
     return (
-        state.games[0], state.pieces[0], state.memory[0], state.rounds[0], arena.plans[0], arena.brains[0],
+        state.games[0], state.pieces[0], state.memory[0], state.rounds[0], arena.missions[0], arena.brains[0],
         world.rules[0], world.cells, world.los, world.eta, arena.atlas[0],
     )  # fmt: skip
 
 
 @kernel
 def repeat_thought(
-    times: int, camp: CampIndex, bot: int, game: Row, pieces: Rows, memory: Rows, rounds: Rows, plans: Rows,
+    times: int, camp: CampIndex, bot: int, game: Row, pieces: Rows, memory: Rows, rounds: Rows, missions: Rows,
     brains: Rows, rules: Row, cells: Rows, los: Rows, eta: Rows, atlas: Row,
 ) -> None:  # fmt: skip
     """Let a full player think about the same position again and again."""
     for _ in range(times):
         brains[camp].thoughts += 1
         think(
-            atlas.style[bot], camp, game, pieces, memory, rounds, plans, brains[camp],
+            atlas.style[bot], camp, game, pieces, memory, rounds, missions, brains[camp],
             rules, cells, los, eta, atlas,
         )  # fmt: skip
 

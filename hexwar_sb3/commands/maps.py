@@ -25,7 +25,7 @@ class Maps:
     names: tyro.conf.Positional[tuple[str, ...]] = ()  # names or scenario files; none: all built-in ones
     output: Path | None = None  # folder that gets a picture of each (NAME.png)
     new: str | None = None  # name of a new map and scenario, written to the folder --output
-    like: str = "plain"  # built-in map whose plan the new one follows
+    like: str = "plain"  # built-in map that the new one is like
     seed: int = 0  # of the new map
     json: Json = False
 
@@ -53,7 +53,7 @@ class Maps:
         """Write a new map and its scenario; return the scenario's path."""
         from hexwar_sb3.errors import UnknownNameError
         from hexwar_sb3.maps.files import builtin_names, save_map, save_scenario
-        from hexwar_sb3.maps.generator import PLANS, generate, standard_scenario
+        from hexwar_sb3.maps.generator import MAP_SPECS, generate, standard_scenario
 
         if self.output is None:
             raise ConfigError("--new needs --output, the folder for the new files")
@@ -61,9 +61,9 @@ class Maps:
         check_whole("seed", self.seed, least=0)
         if self.new in builtin_names():
             raise ConfigError(f"{self.new!r} is a built-in map; give the new one another name")
-        if self.like not in PLANS:
-            raise UnknownNameError("map", self.like, PLANS)
-        hexmap = generate(replace(PLANS[self.like], name=str(self.new), seed=self.seed))
+        if self.like not in MAP_SPECS:
+            raise UnknownNameError("map", self.like, MAP_SPECS)
+        hexmap = generate(replace(MAP_SPECS[self.like], name=str(self.new), seed=self.seed))
         map_file, scenario_file = (self.output / f"{self.new}.{kind}.json" for kind in ("map", "scenario"))
         save_map(hexmap, map_file)
         save_scenario(standard_scenario(hexmap), scenario_file, map_name=map_file.name)

@@ -37,6 +37,7 @@ def write_page(
     title: str,
     n_timesteps: int,
     minutes: float,
+    core_minutes: float,
     met: Sequence[Mapping[str, Any]] = (),
     threads: int = 1,
 ) -> tuple[dict[str, Any], str]:
@@ -51,6 +52,7 @@ def write_page(
         title: what was trained on what.
         n_timesteps: env steps of the training.
         minutes: wall time of the training.
+        core_minutes: its processor time; of earlier parts of a run that was broken off, their wall time.
         met: who was met in it (`met_by`).
         threads: cells side by side.
     """
@@ -71,6 +73,7 @@ def write_page(
         "games": evaluation.games,
         **provenance(evaluation.terms.scenario),
         "minutes": minutes,
+        "core_minutes": core_minutes,
         "peak_mb": peak_mb(),
         "rows": rows,
         "others": others.summary(),
@@ -120,9 +123,9 @@ def _gains(panels: dict[str, Panel]) -> str:
     rows = []
     for opponent in BOTS:
         trained = panels[TRAINED].against(opponent)
-        plans = [name for name in CONSTANT_PLANS if name in panels]
-        best = sorted(plans, key=lambda name: panels[name].against(opponent).win_rate.value)[-1:]
-        others = [name for name in panels if name not in (TRAINED, *plans)]
+        constant = [name for name in CONSTANT_PLANS if name in panels]
+        best = sorted(constant, key=lambda name: panels[name].against(opponent).win_rate.value)[-1:]
+        others = [name for name in panels if name not in (TRAINED, *constant)]
         for name in (*others, *best):
             other = panels[name].against(opponent)
             won = paired_interval(100 * trained.scores, 100 * other.scores)

@@ -11,7 +11,7 @@ import tyro
 
 from hexwar_sb3.commands.output import compile_first, print_json, table
 from hexwar_sb3.commands.settings import Json, ScenarioName, Seed, check_jobs
-from hexwar_sb3.evaluation.opponents import OPPONENTS
+from hexwar_sb3.evaluation.opponents import broad_mixture
 
 if TYPE_CHECKING:
     from hexwar_sb3.league.league import League
@@ -36,8 +36,9 @@ class SelfPlay:
     split: bool = False  # red and blue models of their own, as in the paper; else each plays both camps
     games: int = 1_000  # that each model of a group learns from
     match_games: int = 40  # of each pairing in the round robin
-    warm_up_games: int = 400  # of each model to begin with against each of MA1 and MA2, to rank them
-    bots: tuple[str, ...] = OPPONENTS  # NAME or NAME=WEIGHT; met in training and in the round robin
+    warm_up_games: int = 200  # of each model to begin with against each opponent, to order them
+    # bots and HRL0, NAME or NAME=WEIGHT, met in training and in the round robin; else those of `hexwar train`
+    opponents: tuple[str, ...] | None = None
     partner_share: float = 0.05  # of the weights, for the partner of the group
     past_share: float = 0.05  # for the best of the iterations before
     # exponent by which those who beat the model are met more often; 0: by their weights alone
@@ -57,7 +58,9 @@ class SelfPlay:
 
         check_jobs("jobs", self.jobs)
         names = LeagueSettings.__dataclass_fields__
-        settings = LeagueSettings(**{name: value for name, value in vars(self).items() if name in names})
+        own = {name: value for name, value in vars(self).items() if name in names}
+        own["opponents"] = broad_mixture(self.scenario) if self.opponents is None else self.opponents
+        settings = LeagueSettings(**own)
         starters = {name: policy_folder(Path(path)) for name, path in named(self.starters).items()}
         compile_first(scenario=self.scenario)
         try:

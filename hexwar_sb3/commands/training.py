@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from importlib.util import find_spec
 from pathlib import Path
-from time import monotonic
+from time import monotonic, process_time
 from typing import TYPE_CHECKING, Any, cast
 
 import torch
@@ -68,13 +68,15 @@ def train(settings: TrainSettings, model: QMIX, folder: RunFolder) -> int:
         f'What was learned on "{settings.scenario}", seed {settings.seed}:'
         f" {settings.n_timesteps:,} env steps against {', '.join(settings.met)}"
     )
+    before = folder.minutes_before()
     figures, text = write_page(
         folder,
         players_of(settings, folder),
         settings.evaluation(),
         title=title,
         n_timesteps=settings.n_timesteps,
-        minutes=(monotonic() - start) / 60 + folder.minutes_before(),
+        minutes=(monotonic() - start) / 60 + before,
+        core_minutes=process_time() / 60 + before,
         met=met_by(cast("VecEnv", model.env)),
         threads=threads,
     )

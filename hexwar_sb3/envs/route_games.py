@@ -172,7 +172,7 @@ class RouteGames:
         known = np.where((answers >= 0) & (answers < N_ANSWERS), answers, STAY)
         answers = np.where(self.mask[self.all, known] != 0, known, STAY)
         before, start = self.tasks.scores(), self.arena.state.games.tick.astype(np.int64)
-        goals = self.arena.plans.goal[self.all, self.focus.piece]
+        goals = self.arena.missions.goal[self.all, self.focus.piece]
         hop.finished[:] = (answers == STAY) & (goals == self._pieces.cell[self.all, self.focus.piece])
         base = self._base_ticks()
         self.focus.hops += 1
@@ -208,7 +208,7 @@ class RouteGames:
         self.arena.ask(which.tolist())  # an opponent that is a policy
         pieces = self._own_pieces(which)
         at = which[:, None], pieces
-        before = self.arena.plans[at].copy().view(np.recarray)
+        before = self.arena.missions[at].copy().view(np.recarray)
         obs = {key: value[which] for key, value in self.tasks.look(which).items()}
         mask = obs["action_mask"] != 0
         if self.upper is None:
@@ -221,11 +221,11 @@ class RouteGames:
             self.focus.hops[which, None] <= 1
         )  # a hop at least
         kept &= (before.state != ENDED) & (before.chosen_at >= 0)
-        self.arena.plans[which.repeat(pieces.shape[1])[kept.ravel()], pieces[kept]] = before[kept]
+        self.arena.missions[which.repeat(pieces.shape[1])[kept.ravel()], pieces[kept]] = before[kept]
         wanders = ~kept & (self.rng.random(pieces.shape) < self.settings.wander)
         wanders |= self._idle[which, None]
         self._wander(which.repeat(pieces.shape[1])[wanders.ravel()], pieces[wanders])
-        self.arena.plans.chosen_at[at] = self.arena.state.games.tick[which][:, None]
+        self.arena.missions.chosen_at[at] = self.arena.state.games.tick[which][:, None]
 
     def _own_pieces(self, which: Games) -> NDArray[np.int64]:
         """Numbers of the learner's pieces in each game [n, N]."""
@@ -244,7 +244,7 @@ class RouteGames:
         drops = self.rng.random(len(own)) < DROP_SHARE
         state, world = self.arena.state, self.arena.world
         send_away(
-            which, own, goals, drops, state.games, state.pieces, self.arena.plans,
+            which, own, goals, drops, state.games, state.pieces, self.arena.missions,
             world.rules[0], world.cells, world.eta,
         )  # fmt: skip
 
@@ -257,7 +257,7 @@ class RouteGames:
                 self._note_last(stopped, hop)
             focal = self.focus.piece[stopped]
             dead = self._pieces.blood[stopped, focal] == 0
-            ended = self.arena.plans.state[stopped, focal] == ENDED
+            ended = self.arena.missions.state[stopped, focal] == ENDED
             over = self.arena.over(stopped)
             self.decide(stopped[~over])
             hop.cut[stopped] = dead | ended | over | ~self._same_task(stopped)
@@ -294,11 +294,11 @@ class RouteGames:
         focal = self.focus.piece[which]
         started = (focal != NO_FOCUS) & self._asks(which)
         begun, focal = which[started], focal[started]
-        piece, plan = self._pieces[begun, focal], self.arena.plans[begun, focal]
+        piece, mission = self._pieces[begun, focal], self.arena.missions[begun, focal]
         for name in _TASK_FIELDS:
-            getattr(self.focus, name)[begun] = plan[name]
+            getattr(self.focus, name)[begun] = mission[name]
         self.focus.hops[begun] = 0
-        there = plan.goal == piece.cell
+        there = mission.goal == piece.cell
         self.arena.tell(begun[there], focal[there], np.full(there.sum(), STAY))
         self._let_go(begun[there])
         started[started] = ~there
@@ -306,9 +306,9 @@ class RouteGames:
 
     def _same_task(self, which: Games) -> NDArray[np.bool_]:
         """The focal piece still has the task that its route is for [n]."""
-        plans = self.arena.plans[which, self.focus.piece[which]]
+        missions = self.arena.missions[which, self.focus.piece[which]]
         return np.logical_and.reduce(
-            [plans[name] == getattr(self.focus, name)[which] for name in _TASK_FIELDS]
+            [missions[name] == getattr(self.focus, name)[which] for name in _TASK_FIELDS]
         )
 
     def _let_go(self, which: Games) -> None:
@@ -320,7 +320,13 @@ class RouteGames:
         """Make the next piece that has somewhere to go the focal one, where the focal one has not."""
         own = self._own_pieces(which)
         take_turns(
-            which, own[:, 0], own.shape[1], self._pieces, self.arena.plans, self.focus.piece, self.focus.turn
+            which,
+            own[:, 0],
+            own.shape[1],
+            self._pieces,
+            self.arena.missions,
+            self.focus.piece,
+            self.focus.turn,
         )
         self.arena.lead_outside(which, _bits(self.focus.piece[which]))
 
@@ -370,9 +376,9 @@ class RouteGames:
             check_form(name, snapshot[name], np.int64, (self.n_games,))
         world = self.arena.world
         check_range("focus_piece", snapshot["focus_piece"], 0, world.n_pieces - 1)
-        state, plans, _ = self.tasks.check(self._of_tasks(snapshot), self._waiting(snapshot))
+        state, missions, _ = self.tasks.check(self._of_tasks(snapshot), self._waiting(snapshot))
         focal = self.all, snapshot["focus_piece"]
-        piece, plan = state.pieces[focal], plans[focal]
+        piece, mission = state.pieces[focal], missions[focal]
         check_all(
             "focus_piece",
             piece.camp == snapshot["camps"],
@@ -383,13 +389,13 @@ class RouteGames:
             (piece.blood > 0)
             & (piece.carrier == NO_PIECE)
             & (piece.arrives_at == NEVER)
-            & (plan.goal != NO_CELL)
+            & (mission.goal != NO_CELL)
         )
-        asks &= (plan.state != ENDED) & ~np.isin(plan.kind, (TaskKind.STOP, TaskKind.RECOVER))
+        asks &= (mission.state != ENDED) & ~np.isin(mission.kind, (TaskKind.STOP, TaskKind.RECOVER))
         check_all("focus_piece", asks, snapshot["focus_piece"], "a piece that has a way to go")
         for name in _TASK_FIELDS:
             its = snapshot[f"focus_{name}"]
-            check_all(f"focus_{name}", its == plan[name], its, "what the piece's task has")
+            check_all(f"focus_{name}", its == mission[name], its, "what the piece's task has")
         sides = [world.side(camp) for camp in (Camp.RED, Camp.BLUE)]
         own = np.array([side.stop - side.start for side in sides])[snapshot["camps"]]
         check_range("focus_turn", snapshot["focus_turn"], -1, "last", {"last": own - 1})

@@ -54,7 +54,7 @@ def check_games(
     """Check the arena's part, and the form of the env's own arrays.
 
     Returns:
-        Copies of the state, the plans and the drives.
+        Copies of the state, the missions and the drives.
 
     Raises:
         CheckpointError: an array is broken, missing or unknown.

@@ -264,19 +264,19 @@ class TaskGames:
             waiting: bits of the pieces that wait for an answer from outside, in each game; None: of none [n].
 
         Returns:
-            Copies of its state, plans and drives.
+            Copies of its state, missions and drives.
 
         Raises:
             ConfigError, CheckpointError: as `restore`.
         """
         check_origin(snapshot, self.origin)
-        state, plans, drives = check_games(snapshot, self.arena, self._slots())
+        state, missions, drives = check_games(snapshot, self.arena, self._slots())
         check_all(
             "drives.waiting", drives.waiting == (0 if waiting is None else waiting), drives.waiting, "none"
         )
         self._check_slots(snapshot, state, drives)
         self.encounters.check(snapshot)
-        return state, plans, drives
+        return state, missions, drives
 
     def _check_slots(self, snapshot: Snapshot, state: State, drives: Rows) -> None:
         """Check who plays which camp against whom."""
@@ -342,8 +342,8 @@ class TaskGames:
         if rng.random() >= self.warm_start or self.demos[b]:
             return
         arena, camp, step = self.arena, int(self.camps[b]), self.settings.decision_ticks
-        game, pieces, plans = arena.state.games[b], arena.state.pieces[b], arena.plans[b]
-        send_out(camp, game, pieces, plans, arena.world, self.settings.spots, rng)
+        game, pieces, missions = arena.state.games[b], arena.state.pieces[b], arena.missions[b]
+        send_out(camp, game, pieces, missions, arena.world, self.settings.spots, rng)
         arena.drives[b].due[camp], arena.drives[b].fresh[camp] = 0, 1
         arena.drives[b].period[camp] = max(1, WARM_TICKS // step) * step
         self._advance(np.array([b]))
@@ -358,7 +358,7 @@ class TaskGames:
             which = which[waiting]
 
     def _show(self, shown: Games) -> dict[int, NDArray[np.int64]]:
-        """Let the demo bot think in this state, and name its plans by the task sets that were observed."""
+        """Let the demo bot think in this state, and name its missions by the task sets that were observed."""
         named: dict[int, NDArray[np.int64]] = {}
         if not shown.size:
             return named
@@ -367,7 +367,7 @@ class TaskGames:
         self._advance(shown)
         periods[shown, camps] = self.settings.decision_ticks
         for b, camp in zip(shown, camps, strict=True):
-            named[int(b)] = self.arena.name_plans(int(b), CampIndex(camp), self.sight, int(b))
+            named[int(b)] = self.arena.name_missions(int(b), CampIndex(camp), self.sight, int(b))
         return named
 
     def _new_sight(self) -> Sight:

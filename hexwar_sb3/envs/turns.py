@@ -11,7 +11,7 @@ from hexwar_sb3.kernels import Row, Rows, kernel
 from hexwar_sb3.maps.geometry import cells_apart
 from hexwar_sb3.play.lower import asks
 from hexwar_sb3.tasks.choose import assign
-from hexwar_sb3.tasks.records import ENDED, PlanRecord, TaskKind
+from hexwar_sb3.tasks.records import ENDED, MissionRecord, TaskKind
 from hexwar_sb3.tasks.route import has_way
 
 NO_FOCUS = -1
@@ -19,9 +19,9 @@ WANDER_CELLS = 40  # farthest goal of a walk to a random cell
 
 
 @kernel
-def may_go(piece: PieceRecord, plan: PlanRecord) -> bool:
+def may_go(piece: PieceRecord, mission: MissionRecord) -> bool:
     """The piece will ask for its way, sooner or later."""
-    return on_map(piece) and plan.state != ENDED and asks(plan)
+    return on_map(piece) and mission.state != ENDED and asks(mission)
 
 
 @kernel
@@ -30,7 +30,7 @@ def take_turns(
     first: NDArray[np.int64],
     n_own: int,
     pieces: Rows,
-    plans: Rows,
+    missions: Rows,
     focus: NDArray[np.int64],
     turn: NDArray[np.int64],
 ) -> None:
@@ -41,18 +41,18 @@ def take_turns(
         first: the learner's first piece in each of them [n].
         n_own: number of the learner's pieces in a game.
         pieces: of all games [B, P].
-        plans: of all games [B, P].
+        missions: of all games [B, P].
         focus: focal piece of every game, changed in place [B].
         turn: slot of the camp that had its turn last, changed in place [B].
     """
     for row in range(which.size):
         b = which[row]
-        if focus[b] != NO_FOCUS and may_go(pieces[b, focus[b]], plans[b, focus[b]]):
+        if focus[b] != NO_FOCUS and may_go(pieces[b, focus[b]], missions[b, focus[b]]):
             continue
         for k in range(1, n_own + 1):
             slot = (turn[b] + k) % n_own
             i = first[row] + slot
-            if may_go(pieces[b, i], plans[b, i]):
+            if may_go(pieces[b, i], missions[b, i]):
                 focus[b], turn[b] = i, slot
                 break
 
@@ -65,7 +65,7 @@ def send_away(
     drops: NDArray[np.bool_],
     games: Rows,
     pieces: Rows,
-    plans: Rows,
+    missions: Rows,
     rules: Row,
     cells: Rows,
     eta: Rows,
@@ -79,7 +79,7 @@ def send_away(
         drops: it sets its passenger down instead, if it has one [n].
         games: all of them [B].
         pieces: of all games [B, P].
-        plans: of all games, changed in place [B, P].
+        missions: of all games, changed in place [B, P].
         rules: of the scenario.
         cells: of the map.
         eta: hops from cell to cell.
@@ -90,8 +90,8 @@ def send_away(
         if not on_map(piece):
             continue
         if piece.passenger != NO_PIECE and drops[row]:
-            assign(plans[b, i], TaskKind.DROP, NO_PIECE, piece.cell, tick)
+            assign(missions[b, i], TaskKind.DROP, NO_PIECE, piece.cell, tick)
         elif cells_apart(cells, piece.cell, goal) <= WANDER_CELLS and has_way(
             piece.kind, piece.cell, goal, rules, cells, eta
         ):
-            assign(plans[b, i], TaskKind.HOLD, NO_PIECE, goal, tick)
+            assign(missions[b, i], TaskKind.HOLD, NO_PIECE, goal, tick)

@@ -90,8 +90,8 @@ def _runs_of(seed: int, budget: Budget) -> Iterator[Run]:
 def row_run(name: str, seed: int, budget: Budget) -> Run:
     """A run of a row of our own."""
     row = ROWS[name]
-    plans = () if name == BASE else (NO_PLANS,)
-    flags = ("--lower", row.lower, *plans, *row.flags, "--opponents", *row.opponents)
+    constant = () if name == BASE else (NO_PLANS,)
+    flags = ("--lower", row.lower, *constant, *row.flags, "--opponents", *row.opponents)
     return hrl_run(NAME, name, seed, budget, *flags)
 
 

@@ -86,10 +86,16 @@ class Kept:
         Raises:
             FileFormatError: the run is not there, or its page is broken.
         """
-        found = self._record.page.get("minutes")
-        if not isinstance(found, float | int) or not fits(found, float) or found < 0:
-            raise self._error("page.minutes", repr(found), "a number of at least 0")
-        return float(found)
+        return self._minutes("minutes")
+
+    @property
+    def core_minutes(self) -> float:
+        """Processor time of the training, in minutes; its wall time where the page is of a version that did not count it.
+
+        Raises:
+            FileFormatError: the run is not there, or its page is broken.
+        """
+        return self._minutes("core_minutes" if "core_minutes" in self._record.page else "minutes")
 
     def rows(self, *, others: bool = False) -> list[PageRow]:
         """Rows of its page.
@@ -140,6 +146,12 @@ class Kept:
         if self.name not in runs:
             raise FileFormatError(self.folder / RUNS, "runs", found="none of this name", expected=self.name)
         return runs[self.name]
+
+    def _minutes(self, name: str) -> float:
+        found = self._record.page.get(name)
+        if not isinstance(found, float | int) or not fits(found, float) or found < 0:
+            raise self._error(f"page.{name}", repr(found), "a number of at least 0")
+        return float(found)
 
     def _row(self, place: str, row: object) -> PageRow:
         names = PageRow.__dataclass_fields__

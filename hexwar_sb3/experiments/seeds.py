@@ -15,13 +15,20 @@ from hexwar_sb3.experiments.runs import NO_PLANS, Budget, Places, Run, hrl_run
 
 NAME, GAMES, FINAL_GAMES = "seeds", 10_000, 2_000
 SEEDS = tuple(range(8))
-CANDIDATES: dict[str, tuple[str, ...]] = {"default": (), "single-q": ("--double-q", "False")}
-"""Settings that are compared on "plain", with all seeds: flags of `hexwar train`."""
+CANDIDATES: dict[str, tuple[str, ...]] = {"single-q": ("--double-q", "False")}
+"""Settings that are compared with the default on "plain", with all seeds: flags of `hexwar train`."""
 NAMES = {"hrl-plain": "only MA1 and MA2"}  # the paper's warm-up, runs of figure 7
 OTHER_MAPS = ("hills", "paddy")  # the default, with the first seeds
 SEEDS_THERE = 3
 TRAINED, ALL = "trained", "mean of MA1 and MA2"
 HEADS = ("training", "seeds", "against", "camp", "win rate, %", "worst", "sd", "margin", "points held")
+
+
+def default_run(scenario: str, seed: int, budget: Budget) -> Run:
+    """A run of `hexwar train` as it is, without the constant plans, which are the same for all."""
+    return hrl_run(
+        NAME, "default" if scenario == "plain" else scenario, seed, budget, NO_PLANS, scenario=scenario
+    )
 
 
 def runs(budget: Budget, seeds: Sequence[int]) -> list[Run]:
@@ -30,15 +37,12 @@ def runs(budget: Budget, seeds: Sequence[int]) -> list[Run]:
         run
         for seed in seeds
         for run in (
+            default_run("plain", seed, budget),
             *(hrl_run(NAME, name, seed, budget, NO_PLANS, *flags) for name, flags in CANDIDATES.items()),
             hierarchy("plain", seed, budget),
         )
     ]
-    found += [
-        hrl_run(NAME, scenario, seed, budget, NO_PLANS, scenario=scenario)
-        for seed in seeds[:SEEDS_THERE]
-        for scenario in OTHER_MAPS
-    ]
+    found += [default_run(scenario, seed, budget) for seed in seeds[:SEEDS_THERE] for scenario in OTHER_MAPS]
     return [replace(run, with_policy=run.row != "single-q") for run in found]
 
 

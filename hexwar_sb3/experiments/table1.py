@@ -1,6 +1,7 @@
 """Table I: warm-ups, grouped self-play and distillation in one pipeline, and who beats whom at its end (IV-A).
 
-Stages leave files and are skipped where these are: warm-ups (those of figure 7), league, CAI, matches.
+Stages leave files and are skipped where these are: warm-ups (those of figure 7, which make HRL0, and those of the table
+of seeds, with which the league begins), league, CAI, matches.
 """
 
 from __future__ import annotations
@@ -10,16 +11,19 @@ from collections.abc import Callable, Mapping
 from contextlib import ExitStack, nullcontext
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from statistics import fmean
 from typing import Any
 
 from hexwar_sb3.evaluation.intervals import Estimate
 from hexwar_sb3.evaluation.jobs import run_jobs
 from hexwar_sb3.evaluation.matches import Evaluation
+from hexwar_sb3.evaluation.opponents import broad_mixture
 from hexwar_sb3.evaluation.panel import BOTS, CONSTANT_PLANS
 from hexwar_sb3.evaluation.tournament import Meeting, Table, pack, play_meetings, unpack
 from hexwar_sb3.experiments.carry_out import carry_out
 from hexwar_sb3.experiments.fig7 import hierarchy
-from hexwar_sb3.experiments.runs import Budget, Places, Run, hrl_run
+from hexwar_sb3.experiments.runs import Budget, Places, Run
+from hexwar_sb3.experiments.seeds import TRAINED, default_run
 from hexwar_sb3.folders import holding, making
 from hexwar_sb3.league.cai import DISTILLED, LEARNED, CaiSpec, make_cai
 from hexwar_sb3.league.cost import Cost, added, measured, read_cost
@@ -33,7 +37,7 @@ from hexwar_sb3.reading import read_json
 
 NAME = "table1"
 ROWS = ("HRL0", "HRL1", "HRL2", "CAI")
-BROAD = "broad warm-up"  # row of a warm-up of equal budget against a broad mixture
+BROAD = "broad warm-up"  # row of the best warm-up of equal budget against the broad mixture
 FURTHER = (BROAD, DISTILLED)  # rows beside the paper's
 PLAYERS = ("nearest", "defender", "all-main", "half-half", "two-hold", "drawn-unseen")
 """Columns beside the paper's; nothing was trained or selected against the last two."""
@@ -50,7 +54,7 @@ class Table1:
 
     places: Places
     seeds: tuple[int, ...] = (0, 1, 2, 3)  # of the warm-ups
-    settings: LeagueSettings = field(default_factory=LeagueSettings)
+    settings: LeagueSettings = field(default_factory=lambda: LeagueSettings(opponents=broad_mixture("plain")))
     lessons: Lessons = field(default_factory=lambda: Lessons(games=800, updates=4_000))
     cai_games: int = 50_000  # that CAI learns from after it was distilled
     # of CAI, where they differ from the league's: a longer training may change more
@@ -70,12 +74,17 @@ class Table1:
         return self.places.work / NAME
 
     def warm_ups(self) -> list[Run]:
-        """Trainings of figure 7 on this map."""
+        """The paper's: trainings against MA1 and MA2."""
         return [hierarchy(self.settings.scenario, seed, Budget(games=WARM_UPS)) for seed in self.seeds]
 
-    def broad(self) -> Run:
-        """A training of the same budget as `hexwar train` has it: a row of the table."""
-        return hrl_run(NAME, "broad", self.seeds[0], Budget(games=WARM_UPS), scenario=self.settings.scenario)
+    def starters(self) -> list[Run]:
+        """What the league begins with: trainings of the same budget against the broad mixture."""
+        return [default_run(self.settings.scenario, seed, Budget(games=WARM_UPS)) for seed in self.seeds]
+
+    def best_warm_up(self) -> Path:
+        """Policy of HRL0: the warm-up that wins most against MA1 and MA2."""
+        kept = [self.places.kept(run) for run in self.warm_ups()]
+        return max(kept, key=lambda one: fmean(r.win_rate for r in one.rows() if r.player == TRAINED)).policy
 
     @property
     def sides(self) -> tuple[str, ...]:
@@ -94,7 +103,7 @@ class Table1:
             return self._run(say)
 
     def _run(self, say: Say) -> Table | None:
-        if carry_out([*self.warm_ups(), self.broad()], self.places, jobs=self.jobs, say=say):
+        if carry_out([*self.warm_ups(), *self.starters()], self.places, jobs=self.jobs, say=say):
             return None
         league = self.league()
         league.run(self.jobs, after=lambda k: self._after(league, k, say))
@@ -118,7 +127,7 @@ class Table1:
         done = [k for k in range(self.settings.iterations + 1) if (league / f"iteration_{k:02d}").is_dir()]
         played = len(read_json(self.matches) if self.matches.exists() else [])
         return {
-            **{f"warm-up {run.name}": self.places.state(run) for run in (*self.warm_ups(), self.broad())},
+            **{f"warm-up {run.name}": self.places.state(run) for run in (*self.warm_ups(), *self.starters())},
             "iterations of the league": f"{max(done, default=0)} of {self.settings.iterations}",
             "CAI": f"{sum(combined)} of {len(combined)}",
             "matches": f"{played} of {len(self.meetings())}",
@@ -130,7 +139,7 @@ class Table1:
         if not folder.exists() and kept.exists():
             with making(folder) as made:
                 shutil.copytree(kept, made, dirs_exist_ok=True)
-        starters = {run.name: self.places.kept(run).policy for run in self.warm_ups()}
+        starters = {run.name: self.places.kept(run).policy for run in self.starters()}
         return League.create(folder, self.settings, starters)
 
     def _after(self, league: League, k: int, say: Say) -> None:
@@ -173,11 +182,10 @@ class Table1:
         best = {
             camp: {str(k): str(league.kept(k)[camp][0].folder) for k in self._iterations} for camp in CAMPS
         }
-        first = league.kept(0)
         found: dict[str, dict[int, Estimate]] = {}
         for name in ("HRL0", *PROGRESS):
-            rival = {camp: name if name in PROGRESS else str(first[camp][0].folder) for camp in CAMPS}
-            reds, blues = ({**best[camp], name: rival[camp]} for camp in CAMPS)
+            rival = name if name in PROGRESS else str(self.best_warm_up())
+            reds, blues = ({**best[camp], name: rival} for camp in CAMPS)
             pairs = [(str(k), name) for k in self._iterations] + [(name, str(k)) for k in self._iterations]
             meetings = [Meeting(red=red, blue=blue, scenario=self.settings.scenario) for red, blue in pairs]
             table = play_meetings(meetings, reds, blues, how, self.work / "progress", jobs=self.jobs)
@@ -200,10 +208,10 @@ class Table1:
         for side in self.sides:
             camp, combined = CAMPS[0] if side == BOTH else side, self.work / "cai" / side
             found = {
-                "HRL0": first[camp][0].folder,
+                "HRL0": self.best_warm_up(),
                 "HRL1": last[camp][0].folder,
                 "HRL2": last[camp][1].folder,
-                BROAD: self.places.kept(self.broad()).policy,
+                BROAD: first[camp][0].folder,
                 DISTILLED: combined / DISTILLED,
                 "CAI": combined / LEARNED,
             }
@@ -249,8 +257,8 @@ class Table1:
 
     def costs(self) -> Cost:
         """Wall and core time of every stage, as far as it was measured."""
-        kept = [self.places.kept(run) for run in (*self.warm_ups(), self.broad())]
-        seconds = [60.0 * run.minutes for run in kept]
+        kept = [self.places.kept(run) for run in (*self.warm_ups(), *self.starters())]
+        seconds = [60.0 * run.core_minutes for run in kept]
         warm_ups = {"warm-ups": {"wall_s": sum(seconds), "core_s": sum(seconds)}}
         league = [read_cost(self.kept / "league" / f"iteration_{k:02d}") for k in self._iterations]
         return added([warm_ups, *league, read_cost(self.kept)])

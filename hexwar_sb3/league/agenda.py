@@ -56,11 +56,11 @@ class Agenda(LeagueFolder):
         return is_mirrored(load_world(self.settings.scenario).scenario)
 
     def others(self, k: int, camp: str) -> Opponents:
-        """Whom models of a colour meet beside their partners: the best of the iterations before, and bots."""
+        """Whom models of a colour meet beside their partners: the best of the iterations before, and opponents."""
         settings = self.settings
         past = dict.fromkeys((str(member.folder) for member in self._best_before(k, camp)), 1.0)
         found: list[tuple[object, float]] = []
-        for players, share in ((past, settings.past_share), (settings.weights, settings.bots_share)):
+        for players, share in ((past, settings.past_share), (settings.weights, settings.opponents_share)):
             total = sum(players.values())
             found += [(player, share * weight / total) for player, weight in players.items() if share > 0]
         return found

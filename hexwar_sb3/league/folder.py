@@ -1,7 +1,7 @@
 """The league: its folder is its state. Killed anywhere, it goes on there and ends the same (Fig. 6).
 
 * `league.json`: settings, and what the figures depend on.
-* `iteration_00/models/NAME/`: the models that it began with; `iteration_00/table.json`: how they did against the bots.
+* `iteration_00/models/NAME/`: the models that it began with; `iteration_00/table.json`: how they did against their opponents.
 * `iteration_03/groups/3-r0b2/both/`: what iteration 3 made of the best model in the group with the third best; with
   `split`, `red/` and `blue/`: of the best red model and the third best blue one.
 * `iteration_03/table.json`: the round robin of all of them, who was kept, and whom they come from.

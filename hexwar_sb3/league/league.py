@@ -116,14 +116,14 @@ class League(Agenda):
             self._select(k, jobs)
 
     def _rank_starters(self, jobs: int) -> None:
-        """Order the first models by their games against the bots; the best of a colour is HRL0."""
+        """Order the first models by their games against the opponents."""
         if self.is_done(0):
             return
         rows, how = {}, self.evaluation(0, self.settings.warm_up_games)
-        bots: dict[str, object] = {bot: bot for bot in BOTS}
+        rivals: dict[str, object] = {name: name for name in self.settings.weights or BOTS}
         for camp in CAMPS:
             models: dict[str, object] = {member.name: member.folder for member in self.starters(camp)}
-            red, blue = (models, bots) if camp == "red" else (bots, models)
+            red, blue = (models, rivals) if camp == "red" else (rivals, models)
             table = play_all(red, blue, how, self.iteration(0) / "matches" / camp, jobs=jobs)
             rows[camp] = standings(table, camp)
         kept = select(rows, self.settings.keep, split=self.settings.split)
@@ -136,9 +136,9 @@ class League(Agenda):
         models = self.models(k)
         reds, blues = ({one.name: one.folder for one in models[camp]} for camp in CAMPS)
         how = self.evaluation(k, self.settings.match_games)
-        bots, share = tuple(self.settings.weights), self.settings.worst_share
-        table = play_all(reds, blues, how, self.iteration(k) / "matches", bots=bots, jobs=jobs)
-        rows = {camp: standings(table, camp, bots, share) for camp in CAMPS}
+        rivals, share = tuple(self.settings.weights), self.settings.worst_share
+        table = play_all(reds, blues, how, self.iteration(k) / "matches", rivals=rivals, jobs=jobs)
+        rows = {camp: standings(table, camp, rivals, share) for camp in CAMPS}
         before = self.kept(k - 1)
         for camp in CAMPS:
             for row in rows[camp]:
@@ -190,7 +190,8 @@ def _check_starters(policies: Mapping[str, FrozenPolicy], settings: LeagueSettin
             raise ConfigError(
                 f"{name} was trained with {way.about()}, others with {terms.about()}: they cannot meet"
             )
-    env = make_vec_env(TASK_ENV, seed=0, **env_settings(terms, n_envs=1))
+    rivals = list(settings.weights.items()) or "MA1"
+    env = make_vec_env(TASK_ENV, seed=0, opponent=rivals, **env_settings(terms, n_envs=1))  # HRL0 may not fit
     shapes = TaskShapes.of(env.observation_space, env.action_space)
     has = (shapes.n_pieces, shapes.n_tasks, shapes.obs_dim, shapes.task_dim)
     for name, policy in policies.items():

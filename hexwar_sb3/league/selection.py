@@ -1,4 +1,4 @@
-"""Who is kept: weighted win rate in a single round robin of all red against all blue models, and the bots."""
+"""Who is kept: weighted win rate in a single round robin of all red against all blue models, and their rivals."""
 
 from __future__ import annotations
 
@@ -22,74 +22,77 @@ def play_all(
     evaluation: Evaluation,
     folder: Path,
     *,
-    bots: Sequence[str] = (),
+    rivals: Sequence[str] = (),
     jobs: int = 1,
 ) -> Table:
-    """Play every red model against every blue one, and all of them against the bots.
+    """Play every red model against every blue one, and all of them against the rivals.
 
     Args:
         reds: players by name.
         blues: likewise; a name may be in both.
         evaluation: how they are played.
         folder: gets a file a match.
-        bots: further players of both colours, who do not meet each other.
+        rivals: further players of both colours, by name, who do not meet each other.
         jobs: matches side by side.
     """
-    pairs = [(red, blue) for red in (*reds, *bots) for blue in (*blues, *bots)]
+    pairs = [(red, blue) for red in (*reds, *rivals) for blue in (*blues, *rivals)]
     meetings = [
         Meeting(red=red, blue=blue, scenario=str(evaluation.terms.scenario))
         for red, blue in pairs
         if red in reds or blue in blues
     ]
-    players = {bot: bot for bot in bots}
+    players = {name: name for name in rivals}
     return play_meetings(meetings, {**reds, **players}, {**blues, **players}, evaluation, folder, jobs=jobs)
 
 
-def weights(rates: Sequence[float], are_bots: Sequence[bool], bots_share: float) -> list[float]:
-    """Weights of a model's win rates: of the bots only the one that it does worst against counts.
+def weights(rates: Sequence[float], are_rivals: Sequence[bool], rivals_share: float) -> list[float]:
+    """Weights of a model's win rates: of the rivals only the one that it does worst against counts.
 
-    What a model has forgotten of one bot it cannot make up for with the others.
+    What a model has forgotten of one rival it cannot make up for with the others.
 
     Args:
         rates: against each opponent.
-        are_bots: which of the opponents are bots.
-        bots_share: weight of that bot; the rest is shared by the others that are no bots.
+        are_rivals: which of the opponents are rivals, and no models of the league.
+        rivals_share: weight of that rival; the rest is shared by the models.
 
     Returns:
         A weight for each opponent; they add up to 1.
     """
-    worst = min((k for k, is_bot in enumerate(are_bots) if is_bot), key=lambda k: rates[k], default=None)
-    share = (1.0 - bots_share) / max(1, len(rates) - sum(are_bots))
-    found = [0.0 if is_bot else share for is_bot in are_bots]
+    worst = min(
+        (k for k, is_rival in enumerate(are_rivals) if is_rival), key=lambda k: rates[k], default=None
+    )
+    share = (1.0 - rivals_share) / max(1, len(rates) - sum(are_rivals))
+    found = [0.0 if is_rival else share for is_rival in are_rivals]
     if worst is not None:
-        found[worst] = bots_share
+        found[worst] = rivals_share
     return [weight / sum(found) for weight in found]
 
 
-def standings(table: Table, camp: str, bots: Sequence[str] = (), bots_share: float = 0.0) -> list[Standing]:
+def standings(
+    table: Table, camp: str, rivals: Sequence[str] = (), rivals_share: float = 0.0
+) -> list[Standing]:
     """Models of a colour by their weighted win rate, the best first; equal ones by margin, then by name.
 
     Args:
         table: of the round robin.
         camp: "red" or "blue".
-        bots: players of it that are no models.
-        bots_share: weight of the bot that a model does worst against.
+        rivals: players of it that are no models.
+        rivals_share: weight of the one that a model does worst against.
 
     Returns:
         Rows with the weighted win rate in 0..1, its Wilson interval for as many games of equal weight, and the margin
-        with the same weights, in points. The interval leaves out that the worst bot was picked by these games, and that
-        a league's judges saw some of those against bots.
+        with the same weights, in points. The interval leaves out that the worst rival was picked by these games.
     """
     enemy = "blue" if camp == "red" else "red"
     rows: dict[str, list[tuple[bool, Mapping[str, Any]]]] = {}
     for meeting, row in table.rows.items():
-        if getattr(meeting, camp) not in bots:
-            is_bot = getattr(meeting, enemy) in bots
-            rows.setdefault(getattr(meeting, camp), []).append((is_bot, row[camp]))
+        if getattr(meeting, camp) not in rivals:
+            is_rival = getattr(meeting, enemy) in rivals
+            rows.setdefault(getattr(meeting, camp), []).append((is_rival, row[camp]))
     found = []
     for name, results in rows.items():
-        are_bots, cells = zip(*results, strict=True)
-        shares = weights([cell["win_rate"] for cell in cells], are_bots, bots_share)
+        are_rivals, cells = zip(*results, strict=True)
+        shares = weights([cell["win_rate"] for cell in cells], are_rivals, rivals_share)
         weighted = list(zip(shares, cells, strict=True))
         rate, margin = (
             sum(share * cell[key] for share, cell in weighted) for key in ("win_rate", "mean_margin")

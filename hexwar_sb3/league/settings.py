@@ -13,6 +13,7 @@ from hexwar_sb3.checks import check_flag, check_share, check_whole
 from hexwar_sb3.envs.settings import check_priority
 from hexwar_sb3.errors import ConfigError, UnknownNameError
 from hexwar_sb3.evaluation.opponents import OPPONENTS, with_weights
+from hexwar_sb3.players.player import POLICIES
 
 LEARNER: dict[str, Any] = {
     "learning_rate": 2e-4,
@@ -71,13 +72,15 @@ class LeagueSettings:
     games: int = 1_000  # that each model of a group learns from
     partner_share: float = 0.05  # of the weights, for the partner of the group
     past_share: float = 0.05  # for the best of the iterations before; priorities double both
-    bots: tuple[str, ...] = OPPONENTS  # for them the rest, NAME or NAME=WEIGHT
-    worst_share: float = 0.5  # of a model's score that selects: the bot that it does worst against
+    opponents: tuple[str, ...] = OPPONENTS  # bots and HRL0, NAME or NAME=WEIGHT; for them the rest
+    worst_share: float = (
+        0.5  # of a model's score that selects: the opponent of these that it does worst against
+    )
     priority: float = 1.0  # exponent by which those who beat the model are met more often
     fill_games: int = 500  # at first, from which nothing learns: they fill its replay
     refit_games: int = 125  # after them, in which the mixer alone learns
     match_games: int = 40  # of each pairing in the round robin that selects
-    warm_up_games: int = 400  # against each of MA1 and MA2, to choose the first models
+    warm_up_games: int = 200  # against each opponent, to order the first models
     scenario: str = "plain"
     seed: int = 0
     n_envs: int = 32
@@ -98,28 +101,30 @@ class LeagueSettings:
             check_share(name, check_number(name, getattr(self, name)))
         check_flag("split", self.split)
         check_priority(self.priority)
-        named: tuple[object, ...] = (self.scenario, *self.bots)
+        named: tuple[object, ...] = (self.scenario, *self.opponents)
         if not all(isinstance(name, str) for name in named):
-            raise ConfigError(f"scenario and bots are names, got {self.scenario!r} and {self.bots!r}")
-        for bot in self.weights:
-            if not is_bot(bot):
-                raise UnknownNameError("bot", bot, BOTS)
+            raise ConfigError(
+                f"scenario and opponents are names, got {self.scenario!r} and {self.opponents!r}"
+            )
+        for name in self.weights:
+            if not is_bot(name) and name not in POLICIES:
+                raise UnknownNameError("opponent", name, (*BOTS, *POLICIES))
         total = self.partner_share + self.past_share
         if total > 1.0:
             raise ConfigError(f"partner_share and past_share must add up to at most 1, got {total}")
-        if total < 1.0 and not self.bots:
-            raise ConfigError("without bots, partner_share and past_share must add up to 1")
+        if total < 1.0 and not self.opponents:
+            raise ConfigError("without opponents, partner_share and past_share must add up to 1")
         self._check_learner()
 
     @property
     def weights(self) -> dict[str, float]:
-        """Bots that are met, and their weights."""
-        return with_weights(self.bots) if self.bots else {}
+        """Opponents, and their weights."""
+        return with_weights(self.opponents) if self.opponents else {}
 
     @property
-    def bots_share(self) -> float:
-        """Of the weights, for bots."""
-        return 1.0 - self.partner_share - self.past_share if self.bots else 0.0
+    def opponents_share(self) -> float:
+        """Of the weights, for opponents."""
+        return 1.0 - self.partner_share - self.past_share if self.opponents else 0.0
 
     def _check_learner(self) -> None:
         check_number("learning_rate of the learner", self.learner.get("learning_rate", 0.0))

@@ -13,14 +13,14 @@ from typing import Any
 from hexwar_sb3.errors import MapFileError, ScenarioFileError, UnknownNameError, shortened
 from hexwar_sb3.files import replacing
 from hexwar_sb3.maps.document import Document
-from hexwar_sb3.maps.generator import PLANS, generate, standard_scenario
+from hexwar_sb3.maps.generator import MAP_SPECS, generate, standard_scenario
 from hexwar_sb3.maps.hexmap import HexMap
 from hexwar_sb3.maps.map_file import map_document, map_from
 from hexwar_sb3.maps.scenario import Scenario
 from hexwar_sb3.maps.scenario_file import scenario_document, scenario_from
 
 BUILTIN = Path(__file__).parent / "builtin"
-_LIKE = re.compile(r"(\w+)@([0-9]{1,9})")  # "hills@7": the map of the plan of "hills" under seed 7
+_LIKE = re.compile(r"(\w+)@([0-9]{1,9})")  # "hills@7": a map like "hills" under seed 7
 
 _LOOKED_AT = 1_000  # files of a folder, for a hint
 
@@ -90,10 +90,10 @@ def save_scenario(scenario: Scenario, path: str | Path, map_name: str | None = N
 
 
 def _map_like(name: str, seed: str) -> HexMap:
-    """The map of a built-in one's plan under another seed."""
-    if name not in PLANS:
-        raise UnknownNameError("map", name, PLANS)
-    return generate(replace(PLANS[name], name=f"{name}@{int(seed)}", seed=int(seed)))
+    """A map like a built-in one, under another seed."""
+    if name not in MAP_SPECS:
+        raise UnknownNameError("map", name, MAP_SPECS)
+    return generate(replace(MAP_SPECS[name], name=f"{name}@{int(seed)}", seed=int(seed)))
 
 
 def _find(kind: str, name_or_path: str | Path) -> Path:

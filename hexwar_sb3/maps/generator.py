@@ -36,7 +36,7 @@ HOMES = {"soldier0": "chariot0", "soldier1": "chariot1"}
 
 
 @dataclass(frozen=True, kw_only=True)
-class MapPlan:
+class MapSpec:
     """What a map is to be like; places are in its western half."""
 
     name: str
@@ -57,10 +57,10 @@ class MapPlan:
     lakes: tuple[tuple[Place, tuple[int, int, int]], ...]  # centre, reach in each cube coordinate
 
 
-PLANS = {
-    plan.name: plan
-    for plan in (
-        MapPlan(
+MAP_SPECS = {
+    spec.name: spec
+    for spec in (
+        MapSpec(
             name="plain",
             seed=4,
             relief_m=60,
@@ -74,7 +74,7 @@ PLANS = {
             streams=(((16, 0), (20, 69)),),
             lakes=(((22, 20), (3, 2, 3)), ((17, 58), (2, 2, 3))),
         ),
-        MapPlan(
+        MapSpec(
             name="hills",
             seed=5,
             relief_m=300,
@@ -89,7 +89,7 @@ PLANS = {
             streams=(((22, 0), (24, 69)),),
             lakes=(((24, 16), (2, 2, 3)), ((25, 60), (2, 2, 2))),
         ),
-        MapPlan(
+        MapSpec(
             name="paddy",
             seed=4,
             relief_m=40,
@@ -110,20 +110,20 @@ PLANS = {
 }
 
 
-def generate(plan: MapPlan) -> HexMap:
-    """The map of a plan; the same plan gives the same map."""
-    canvas = Canvas(WIDTH, HEIGHT, np.random.default_rng(plan.seed))
-    lakes = _lakes(canvas, plan)
-    height = _relief(canvas, plan)
-    streams = _streams(canvas, plan, height)
+def generate(spec: MapSpec) -> HexMap:
+    """The map of a spec; the same spec gives the same map."""
+    canvas = Canvas(WIDTH, HEIGHT, np.random.default_rng(spec.seed))
+    lakes = _lakes(canvas, spec)
+    height = _relief(canvas, spec)
+    streams = _streams(canvas, spec, height)
     height = _carved(canvas, height, streams | lakes)
-    elev_m = _quantised(canvas, plan, height)
-    roads = _roads(canvas, plan, elev_m, lakes)
+    elev_m = _quantised(canvas, spec, height)
+    roads = _roads(canvas, spec, elev_m, lakes)
     open_ground = canvas.playable & ~lakes & ~roads & ~_clearings(canvas)
-    slushy = _slushy(canvas, plan, elev_m, streams & ~lakes, lakes, open_ground)
-    concealed = _concealed(canvas, plan, elev_m, roads, open_ground & ~slushy)
+    slushy = _slushy(canvas, spec, elev_m, streams & ~lakes, lakes, open_ground)
+    concealed = _concealed(canvas, spec, elev_m, roads, open_ground & ~slushy)
     return HexMap(
-        name=plan.name,
+        name=spec.name,
         grade_m=GRADE_M,
         elev_m=elev_m,
         passable=canvas.playable & ~lakes,
@@ -131,7 +131,7 @@ def generate(plan: MapPlan) -> HexMap:
         concealed=concealed,
         slushy=slushy,
         controllable=canvas.both_sides([canvas.cell(*place) for place, _ in POINTS.values()]),
-        seed=plan.seed,
+        seed=spec.seed,
     )
 
 
@@ -167,28 +167,28 @@ def _clearings(canvas: Canvas) -> Bools:
     return marks
 
 
-def _lakes(canvas: Canvas, plan: MapPlan) -> Bools:
+def _lakes(canvas: Canvas, spec: MapSpec) -> Bools:
     marks = np.zeros(canvas.playable.shape, np.bool_)
-    for place, reach in plan.lakes:
+    for place, reach in spec.lakes:
         marks |= canvas.symmetric(canvas.hexagon(canvas.cell(*place), reach))
     return marks
 
 
-def _relief(canvas: Canvas, plan: MapPlan) -> Field:
+def _relief(canvas: Canvas, spec: MapSpec) -> Field:
     """Heights about 0..1, before anything is dug [y, x]."""
-    rolling = canvas.noise(plan.swell_cells) / 2
-    ridge = 1 - 2 * abs(canvas.noise(plan.swell_cells))
-    height = rolling * (1 - plan.ridges) + ridge / 2 * plan.ridges
-    height += plan.roughness * canvas.noise(plan.swell_cells / 2.5) / 2
+    rolling = canvas.noise(spec.swell_cells) / 2
+    ridge = 1 - 2 * abs(canvas.noise(spec.swell_cells))
+    height = rolling * (1 - spec.ridges) + ridge / 2 * spec.ridges
+    height += spec.roughness * canvas.noise(spec.swell_cells / 2.5) / 2
     low, high = np.quantile(height[canvas.playable], (0.01, 0.99))
-    return np.clip((height - low) / (high - low), 0, 1) ** plan.lowland
+    return np.clip((height - low) / (high - low), 0, 1) ** spec.lowland
 
 
-def _streams(canvas: Canvas, plan: MapPlan, height: Field) -> Bools:
+def _streams(canvas: Canvas, spec: MapSpec, height: Field) -> Bools:
     cost = 0.1 + height**2 + 0.3 * abs(canvas.noise(5))
     cost[canvas.east > -4] = NEVER_HERE
     cells: list[int] = []
-    for stops in plan.streams:
+    for stops in spec.streams:
         cells += canvas.way_through([canvas.cell(*stop) for stop in stops], cost)
     return canvas.both_sides(cells)
 
@@ -205,21 +205,21 @@ def _carved(canvas: Canvas, height: Field, water: Bools) -> Field:
     return height
 
 
-def _quantised(canvas: Canvas, plan: MapPlan, height: Field) -> Altitudes:
+def _quantised(canvas: Canvas, spec: MapSpec, height: Field) -> Altitudes:
     """Altitudes in whole levels; every lake is level [y, x]."""
-    levels = np.rint(height * plan.relief_m / GRADE_M)
-    for place, reach in plan.lakes:
+    levels = np.rint(height * spec.relief_m / GRADE_M)
+    for place, reach in spec.lakes:
         patch = canvas.symmetric(canvas.hexagon(canvas.cell(*place), reach))
         levels[patch] = levels[patch].min()
     return np.where(canvas.playable, levels * GRADE_M, 0).astype(np.int16)
 
 
-def _roads(canvas: Canvas, plan: MapPlan, elev_m: Altitudes, lakes: Bools) -> Bools:
+def _roads(canvas: Canvas, spec: MapSpec, elev_m: Altitudes, lakes: Bools) -> Bools:
     steep = _steepness(canvas, elev_m)
     cost = 1 + 0.6 * steep + 0.5 * abs(canvas.noise(6))
     cost[lakes | ~canvas.playable | (canvas.east > 0)] = NEVER_HERE
     cells: list[int] = []
-    for stops in plan.roads:
+    for stops in spec.roads:
         cells += canvas.way_through([canvas.cell(*stop) for stop in stops], cost)
     return canvas.both_sides(cells)
 
@@ -232,24 +232,24 @@ def _steepness(canvas: Canvas, elev_m: Altitudes) -> Field:
 
 
 def _slushy(
-    canvas: Canvas, plan: MapPlan, elev_m: Altitudes, streams: Bools, lakes: Bools, allowed: Bools
+    canvas: Canvas, spec: MapSpec, elev_m: Altitudes, streams: Bools, lakes: Bools, allowed: Bools
 ) -> Bools:
-    count = round(plan.slushy * canvas.playable.sum())
-    wet = 2 * np.exp(-canvas.distance(streams | lakes) / 3) - elev_m / plan.relief_m
+    count = round(spec.slushy * canvas.playable.sum())
+    wet = 2 * np.exp(-canvas.distance(streams | lakes) / 3) - elev_m / spec.relief_m
     wet += 0.5 * canvas.noise(6)
-    if plan.field_cells:
-        means, dykes = canvas.parcels(plan.field_cells, wet)
+    if spec.field_cells:
+        means, dykes = canvas.parcels(spec.field_cells, wet)
         wet = means + _LAST_FIELD * wet
         allowed = allowed & (~dykes | streams)
     return highest(wet + 10 * streams, allowed, count)
 
 
-def _concealed(canvas: Canvas, plan: MapPlan, elev_m: Altitudes, roads: Bools, allowed: Bools) -> Bools:
+def _concealed(canvas: Canvas, spec: MapSpec, elev_m: Altitudes, roads: Bools, allowed: Bools) -> Bools:
     villages = np.zeros(roads.shape, np.bool_)
-    for place in plan.villages:
+    for place in spec.villages:
         centre = canvas.nearest(canvas.cell(*place), roads)
         villages |= canvas.symmetric(canvas.disc(centre, 1)) & (roads | allowed)
-    count = round(plan.concealed * canvas.playable.sum()) - int(villages.sum())
-    score = canvas.noise(plan.forest_cells) + plan.forest_height * elev_m / plan.relief_m
+    count = round(spec.concealed * canvas.playable.sum()) - int(villages.sum())
+    score = canvas.noise(spec.forest_cells) + spec.forest_height * elev_m / spec.relief_m
     score += 0.3 * canvas.noise(3)
     return villages | highest(score, allowed & ~villages, count)

@@ -20,7 +20,7 @@ from hexwar_sb3.engine.state import State, new_state, seed_game
 from hexwar_sb3.engine.world import World
 from hexwar_sb3.errors import ConfigError
 from hexwar_sb3.kernels import Rows, kernel
-from hexwar_sb3.play.demos import name_moves, name_plans
+from hexwar_sb3.play.demos import name_missions, name_moves
 from hexwar_sb3.play.drive import advance_until_decision
 from hexwar_sb3.play.lower import HEURISTIC, KEPT, tell_pieces
 from hexwar_sb3.play.records import DRIVE, EXTERNAL
@@ -33,7 +33,7 @@ from hexwar_sb3.players.route_network import LOWER_NET
 from hexwar_sb3.players.terms import USUAL, Terms
 from hexwar_sb3.rules.enums import Camp
 from hexwar_sb3.rules.indices import CampIndex, camp_range
-from hexwar_sb3.tasks.choose import clear_plans, new_plans
+from hexwar_sb3.tasks.choose import clear_missions, new_missions
 from hexwar_sb3.tasks.route import N_ANSWERS, new_route_buffers
 from hexwar_sb3.tasks.spots import load_spots
 
@@ -61,7 +61,7 @@ class Arena:
         self.decision_ticks = decision_ticks or (terms.decision_ticks, terms.decision_ticks)
         self._early = int(terms.decisions == "event")
         self.state = new_state(world, n_games)
-        self.plans = new_plans(n_games, world.n_pieces)
+        self.missions = new_missions(n_games, world.n_pieces)
         self.brains = np.zeros((n_games, 2), BRAIN).view(np.recarray)
         self.drives = np.zeros(n_games, DRIVE).view(np.recarray)
         self.players: list[list[Player | None]] = [[None, None] for _ in range(n_games)]
@@ -87,7 +87,7 @@ class Arena:
         """Put game b back to tick 0 with a seed for its dice, and seat its two players."""
         self.state.copy_from(self._start, b, 0)
         seed_game(self.state.games[b], np.uint64(seed))
-        clear_plans(self.plans[b])
+        clear_missions(self.missions[b])
         self.brains[b] = np.zeros(2, BRAIN)
         self.drives[b] = np.zeros((), DRIVE)
         self.drives[b].period, self.drives[b].early = self.decision_ticks, self._early
@@ -206,19 +206,28 @@ class Arena:
         states, masks = new_route_buffers(len(which))
         world, state = self.world, self.state
         observe_routes(
-            which, pieces, ways, state.pieces, self.plans, world.rules, world.cells, world.eta, states, masks
+            which,
+            pieces,
+            ways,
+            state.pieces,
+            self.missions,
+            world.rules,
+            world.cells,
+            world.eta,
+            states,
+            masks,
         )
         return states, masks
 
     def tell(self, which: Games, pieces: NDArray[np.int64], answers: NDArray[np.int64]) -> None:
         """Give the answer answers[k], in the camp's frame, to piece pieces[k] of game which[k], which waits."""
-        tell_pieces(which, pieces, answers, self.drives, self.state.games, self.state.pieces, self.plans)
+        tell_pieces(which, pieces, answers, self.drives, self.state.games, self.state.pieces, self.missions)
 
     def _drive(self, which: Games) -> None:
         world, state = self.world, self.state
         advance_until_decision(
             which, self.drives, state.games, state.pieces, state.memory, state.paths, state.rounds,
-            state.orders, state.log, self.plans, self.brains,
+            state.orders, state.log, self.missions, self.brains,
             world.rules, world.cells, world.los, world.eta, self.atlas, self.nets,
         )  # fmt: skip
 
@@ -226,7 +235,7 @@ class Arena:
         """Fill slots[k] of the buffers with what camp camps[k] of game which[k] sees."""
         world, state = self.world, self.state
         look_batch(
-            slots, which, camps, state.games, state.pieces, state.memory, self.plans,
+            slots, which, camps, state.games, state.pieces, state.memory, self.missions,
             world.rules, world.cells, world.los, world.eta, self._spots, *sight.out,
         )  # fmt: skip
         sight.publish(slots)
@@ -246,7 +255,7 @@ class Arena:
         illegal = np.zeros(len(which), np.int64)
         actions = np.array(actions, np.int64, order="C")
         choose_batch(
-            slots, which, camps, actions, self.drives, self.state.games, self.plans,
+            slots, which, camps, actions, self.drives, self.state.games, self.missions,
             sight.rows, sight.obs["action_mask"], illegal,
         )  # fmt: skip
         return illegal
@@ -281,11 +290,11 @@ class Arena:
             self._sights[camp] = Sight(self.world, camp, self.n_games)
         return self._sights[camp]
 
-    def name_plans(self, b: int, camp: CampIndex, sight: Sight, slot: int) -> NDArray[np.int64]:
+    def name_missions(self, b: int, camp: CampIndex, sight: Sight, slot: int) -> NDArray[np.int64]:
         """Task indices [N] nearest to what camp is doing in game b, by what it saw in a slot."""
         tasks, mask = sight.rows[slot], sight.obs["action_mask"][slot]
         actions = np.zeros(len(tasks), np.int64)
-        name_plans(camp, self.state.games[b], self.plans[b], tasks, mask, self.world.cells, actions)
+        name_missions(camp, self.state.games[b], self.missions[b], tasks, mask, self.world.cells, actions)
         return actions
 
     def name_moves(self, b: int, camp: CampIndex) -> NDArray[np.int64]:
@@ -344,7 +353,7 @@ class Arena:
         """Check a snapshot that may come from a file: kernels trust every index in it.
 
         Returns:
-            Copies of its state, plans and drives.
+            Copies of its state, missions and drives.
 
         Raises:
             CheckpointError: these are no games of this world, as this arena plays them.
@@ -352,17 +361,17 @@ class Arena:
         check_names(snapshot, self._arrays())
         arrays = {field.name: snapshot[field.name] for field in fields(State)}
         state = check_state(self.world, arrays, self.state, self._start)
-        plans, brains, drives = (
-            copied(name, snapshot[name], getattr(self, name)) for name in ("plans", "brains", "drives")
+        missions, brains, drives = (
+            copied(name, snapshot[name], getattr(self, name)) for name in ("missions", "brains", "drives")
         )
         own = {"period": self.decision_ticks, "early": self._early}
         check_same("drives", drives, {name: np.array(value) for name, value in own.items()}, own)
-        check_play(self.world, state, plans, brains, drives)
-        return state, plans, drives
+        check_play(self.world, state, missions, brains, drives)
+        return state, missions, drives
 
     def _arrays(self) -> Snapshot:
         state = {field.name: getattr(self.state, field.name) for field in fields(State)}
-        return {**state, "plans": self.plans, "brains": self.brains, "drives": self.drives}
+        return {**state, "missions": self.missions, "brains": self.brains, "drives": self.drives}
 
 
 def _bits(side: slice) -> int:

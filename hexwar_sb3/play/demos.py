@@ -9,39 +9,45 @@ from hexwar_sb3.maps.cells import Cells
 from hexwar_sb3.maps.geometry import cells_apart, direction_between, frame_direction
 from hexwar_sb3.rules.indices import CampIndex, SlotIndex, piece_range
 from hexwar_sb3.tasks.known import end_piece, first_piece
-from hexwar_sb3.tasks.records import PlanRecord, Plans, Tasks, TaskSets
+from hexwar_sb3.tasks.records import MissionRecord, Missions, Tasks, TaskSets
 from hexwar_sb3.tasks.route import STAY
 
 
 @kernel
-def name_plans(
-    camp: CampIndex, game: GameRecord, plans: Plans, tasks: TaskSets, mask: Rows, cells: Cells, actions: Rows
+def name_missions(
+    camp: CampIndex,
+    game: GameRecord,
+    missions: Missions,
+    tasks: TaskSets,
+    mask: Rows,
+    cells: Cells,
+    actions: Rows,
 ) -> None:
-    """Write the task index that comes nearest to each plan of a camp.
+    """Write the task index that comes nearest to each mission of a camp.
 
     Args:
-        plans: of both camps, [P].
+        missions: of both camps, [P].
         tasks, mask: the camp's task sets, [N, K].
         actions: out, [N].
     """
     first = first_piece(camp, game)
     for i in piece_range(first, end_piece(camp, game)):
         actions[SlotIndex(i - first)] = nearest_task(
-            plans[i], tasks[SlotIndex(i - first)], mask[SlotIndex(i - first)], cells
+            missions[i], tasks[SlotIndex(i - first)], mask[SlotIndex(i - first)], cells
         )
 
 
 @kernel
-def nearest_task(plan: PlanRecord, tasks: Tasks, mask: Rows, cells: Cells) -> int:
-    """Valid row of the plan's kind and target with the nearest cell; 0, stop, if there is none."""
+def nearest_task(mission: MissionRecord, tasks: Tasks, mask: Rows, cells: Cells) -> int:
+    """Valid row of the mission's kind and target with the nearest cell; 0, stop, if there is none."""
     best, best_apart = 0, NEVER
     for k in range(tasks.size):
         task = tasks[k]
-        if mask[k] == 0 or task.kind != plan.kind or task.target != plan.target:
+        if mask[k] == 0 or task.kind != mission.kind or task.target != mission.target:
             continue
         apart = 0
-        if task.cell != NO_CELL and plan.cell != NO_CELL:
-            apart = cells_apart(cells, task.cell, plan.cell)
+        if task.cell != NO_CELL and mission.cell != NO_CELL:
+            apart = cells_apart(cells, task.cell, mission.cell)
         if apart < best_apart:
             best, best_apart = k, apart
     return best

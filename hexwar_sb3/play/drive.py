@@ -21,21 +21,21 @@ from hexwar_sb3.rules.enums import Action, Camp
 from hexwar_sb3.rules.indices import CampIndex, camp_range, piece_range
 from hexwar_sb3.tasks.execute import execute_tasks
 from hexwar_sb3.tasks.known import end_piece, first_piece
-from hexwar_sb3.tasks.records import ENDED, Plans, TaskKind
+from hexwar_sb3.tasks.records import ENDED, Missions, TaskKind
 
 
 @kernel
-def ended_tasks(camp: CampIndex, game: GameRecord, plans: Plans) -> int:
+def ended_tasks(camp: CampIndex, game: GameRecord, missions: Missions) -> int:
     """Mask of the camp's pieces whose task is done or impossible; a stop never counts."""
     mask = 0
     for i in piece_range(first_piece(camp, game), end_piece(camp, game)):
-        if plans[i].state == ENDED and plans[i].kind != TaskKind.STOP:
+        if missions[i].state == ENDED and missions[i].kind != TaskKind.STOP:
             mask |= 1 << i
     return mask
 
 
 @kernel
-def wants_decision(camp: CampIndex, drive: DriveRecord, game: GameRecord, plans: Plans) -> bool:
+def wants_decision(camp: CampIndex, drive: DriveRecord, game: GameRecord, missions: Missions) -> bool:
     """Whether an own loss or an ended task calls the camp before its next regular decision.
 
     An ended task calls once: it stays marked in `drive.ended` until the piece has another one.
@@ -43,7 +43,7 @@ def wants_decision(camp: CampIndex, drive: DriveRecord, game: GameRecord, plans:
     if drive.early[camp] == 0 or game.tick < drive.decided_at[camp] + EARLY_TICKS:
         return False
     lost = game.loss_tick[camp] > drive.decided_at[camp]
-    return lost or (ended_tasks(camp, game, plans) & ~drive.ended[camp]) != 0
+    return lost or (ended_tasks(camp, game, missions) & ~drive.ended[camp]) != 0
 
 
 @kernel
@@ -64,7 +64,7 @@ def count_done(drive: DriveRecord, game: GameRecord, pieces: Pieces, orders: Ord
 @kernel
 def act(
     drive: DriveRecord, game: GameRecord, pieces: Pieces, memory: Memory, paths: Paths, rounds: Rounds, orders: Orders,
-    plans: Plans, brains: Rows, rules: RulesRecord, cells: Cells, los: Sightlines, eta: TravelTimes, atlas: AtlasRecord, nets: Rows,
+    missions: Missions, brains: Rows, rules: RulesRecord, cells: Cells, los: Sightlines, eta: TravelTimes, atlas: AtlasRecord, nets: Rows,
 ) -> bool:  # fmt: skip
     """Let the camps whose turn it is fill `orders`: bots think first, then tasks become orders.
 
@@ -81,17 +81,17 @@ def act(
         drive.fresh[camp] = 0
         if drive.seat[camp] != EXTERNAL:
             bot_act(
-                drive.seat[camp], camp, game, pieces, memory, rounds, orders, plans, brains,
+                drive.seat[camp], camp, game, pieces, memory, rounds, orders, missions, brains,
                 rules, cells, los, eta, atlas,
             )  # fmt: skip
             drive.wake_at[camp] = next_thought(brains[camp], game.tick)
         elif drive.lower[camp] != HEURISTIC or drive.outside != 0:
             if not answer_pieces(
-                camp, drive, game, pieces, memory, plans, rules, cells, los, eta, nets
+                camp, drive, game, pieces, memory, missions, rules, cells, los, eta, nets
             ):  # fmt: skip
                 drive.fresh[camp] = 1
                 return False
-        execute_tasks(camp, game, pieces, memory, paths, rounds, orders, plans, rules, cells, los, eta)
+        execute_tasks(camp, game, pieces, memory, paths, rounds, orders, missions, rules, cells, los, eta)
     return True
 
 
@@ -119,11 +119,11 @@ def next_decision(drive: DriveRecord, game: GameRecord) -> int:
 
 
 @kernel
-def note_due(drive: DriveRecord, game: GameRecord, plans: Plans) -> bool:
+def note_due(drive: DriveRecord, game: GameRecord, missions: Missions) -> bool:
     """Mark the asked camps that are to decide in this state; True if there is one."""
     for camp in camp_range(2):
         regular = game.tick % drive.period[camp] == 0
-        wanted = regular or wants_decision(camp, drive, game, plans)
+        wanted = regular or wants_decision(camp, drive, game, missions)
         drive.due[camp] = game.over == 0 and drive.asked[camp] == 1 and wanted
     return drive.due[Camp.RED] == 1 or drive.due[Camp.BLUE] == 1
 
@@ -131,11 +131,11 @@ def note_due(drive: DriveRecord, game: GameRecord, plans: Plans) -> bool:
 @kernel
 def take_turn(
     until: int, drive: DriveRecord, game: GameRecord, pieces: Pieces, memory: Memory, paths: Paths, rounds: Rounds, orders: Orders,
-    plans: Plans, brains: Rows, rules: RulesRecord, cells: Cells, los: Sightlines, eta: TravelTimes, atlas: AtlasRecord, nets: Rows,
+    missions: Missions, brains: Rows, rules: RulesRecord, cells: Cells, los: Sightlines, eta: TravelTimes, atlas: AtlasRecord, nets: Rows,
 ) -> int:  # fmt: skip
     """Let the camps act; STEPS if a step is to be made, JUMPED if the clock moved (at most to `until`), or WAITS."""
     if not act(
-        drive, game, pieces, memory, paths, rounds, orders, plans, brains,
+        drive, game, pieces, memory, paths, rounds, orders, missions, brains,
         rules, cells, los, eta, atlas, nets,
     ):  # fmt: skip
         return WAITS
@@ -157,28 +157,28 @@ def make_step(
 @kernel
 def advance_game(
     drive: DriveRecord, game: GameRecord, pieces: Pieces, memory: Memory, paths: Paths, rounds: Rounds, orders: Orders, log: Log,
-    plans: Plans, brains: Rows, rules: RulesRecord, cells: Cells, los: Sightlines, eta: TravelTimes, atlas: AtlasRecord, nets: Rows,
+    missions: Missions, brains: Rows, rules: RulesRecord, cells: Cells, los: Sightlines, eta: TravelTimes, atlas: AtlasRecord, nets: Rows,
 ) -> None:  # fmt: skip
     """Play one game until an asked camp is to decide, a piece waits for an answer, or the end."""
     until = next_decision(drive, game)
     while game.over == 0 and game.tick < until:
         turn = take_turn(
-            until, drive, game, pieces, memory, paths, rounds, orders, plans, brains,
+            until, drive, game, pieces, memory, paths, rounds, orders, missions, brains,
             rules, cells, los, eta, atlas, nets,
         )  # fmt: skip
         if turn == WAITS:
             return
         if turn == STEPS:
             make_step(drive, game, pieces, memory, paths, rounds, orders, log, rules, cells, los)
-            if note_due(drive, game, plans):
+            if note_due(drive, game, missions):
                 return
-    note_due(drive, game, plans)
+    note_due(drive, game, missions)
 
 
 @kernel
 def advance_until_decision(
     which: Rows, drives: Rows, games: Rows, pieces: Rows, memory: Rows, paths: Rows, rounds: Rows,
-    orders: Rows, log: Rows, plans: Rows, brains: Rows, rules_array: Rows, cells: Rows, los: Rows,
+    orders: Rows, log: Rows, missions: Rows, brains: Rows, rules_array: Rows, cells: Rows, los: Rows,
     eta: Rows, atlas_array: Rows, nets: Rows,
 ) -> None:  # fmt: skip
     """Play each of the games `which` until its next decision, a piece that waits for an answer, or its end.
@@ -191,5 +191,5 @@ def advance_until_decision(
     for b in which:
         advance_game(
             drives[b], games[b], pieces[b], memory[b], paths[b], rounds[b], orders[b], log[b],
-            plans[b], brains[b], rules_array[0], cells, los, eta, atlas_array[0], nets,
+            missions[b], brains[b], rules_array[0], cells, los, eta, atlas_array[0], nets,
         )  # fmt: skip

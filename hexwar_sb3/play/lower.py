@@ -22,38 +22,38 @@ from hexwar_sb3.tasks.features import ROUTE_WIDTH
 from hexwar_sb3.tasks.heuristic import right_place
 from hexwar_sb3.tasks.known import end_piece, first_piece
 from hexwar_sb3.tasks.progress import can_end, end_task
-from hexwar_sb3.tasks.records import STAYING, WALKING, PlanRecord, Plans, TaskKind
+from hexwar_sb3.tasks.records import STAYING, WALKING, MissionRecord, Missions, TaskKind
 from hexwar_sb3.tasks.route import N_ANSWERS, STAY, has_way, observe_route
 
 HEURISTIC, KEPT = 0, -1  # drive.lower; k > 0 is network k - 1
 
 
 @kernel
-def asks(plan: PlanRecord) -> bool:
+def asks(mission: MissionRecord) -> bool:
     """Kinds of tasks for which a piece may have to go somewhere."""
-    return plan.kind != TaskKind.STOP and plan.kind != TaskKind.RECOVER
+    return mission.kind != TaskKind.STOP and mission.kind != TaskKind.RECOVER
 
 
 @kernel
-def note_answer(answer: int, piece: PieceRecord, plan: PlanRecord, tick: int) -> None:
+def note_answer(answer: int, piece: PieceRecord, mission: MissionRecord, tick: int) -> None:
     """Keep an answer, 0 or a direction in the camp's frame + 1, until the next cell or decision."""
-    plan.asked_at = tick
-    plan.direction = STAY if answer == STAY else 1 + frame_direction(answer - 1, piece.camp)
-    plan.state = STAYING if answer == STAY else WALKING
+    mission.asked_at = tick
+    mission.direction = STAY if answer == STAY else 1 + frame_direction(answer - 1, piece.camp)
+    mission.state = STAYING if answer == STAY else WALKING
 
 
 @kernel
 def ask_network(
-    piece: PieceRecord, plan: PlanRecord, net: Row, rules: RulesRecord, cells: Cells, eta: TravelTimes
+    piece: PieceRecord, mission: MissionRecord, net: Row, rules: RulesRecord, cells: Cells, eta: TravelTimes
 ) -> int:
-    """The network's answer for a piece on its way to `plan.goal`."""
+    """The network's answer for a piece on its way to `mission.goal`."""
     state, mask = np.zeros(ROUTE_WIDTH, np.float32), np.zeros(N_ANSWERS, np.int8)
     observe_route(
         piece.kind,
         piece.camp,
-        plan.kind,
+        mission.kind,
         piece.cell,
-        plan.goal,
+        mission.goal,
         net.ways == 1,
         rules,
         cells,
@@ -81,26 +81,28 @@ def kept_answer(
 
 @kernel
 def answer_piece(
-    i: PieceIndex, drive: DriveRecord, game: GameRecord, pieces: Pieces, memory: Memory, plans: Plans, rules: RulesRecord, cells: Cells, los: Sightlines,
+    i: PieceIndex, drive: DriveRecord, game: GameRecord, pieces: Pieces, memory: Memory, missions: Missions, rules: RulesRecord, cells: Cells, los: Sightlines,
     eta: TravelTimes, nets: Rows,
 ) -> None:  # fmt: skip
     """Answer for piece i, or mark it as waiting for somebody outside."""
-    piece, plan = pieces[i], plans[i]
-    plan.goal = right_place(i, pieces, memory, plans, rules, cells, los, eta)
+    piece, mission = pieces[i], missions[i]
+    mission.goal = right_place(i, pieces, memory, missions, rules, cells, los, eta)
     lower = drive.lower[piece.camp]
-    if plan.goal == NO_CELL or not has_way(piece.kind, piece.cell, plan.goal, rules, cells, eta):
-        note_answer(STAY, piece, plan, game.tick)
+    if mission.goal == NO_CELL or not has_way(piece.kind, piece.cell, mission.goal, rules, cells, eta):
+        note_answer(STAY, piece, mission, game.tick)
     elif (drive.outside >> i) & 1:
         drive.waiting |= np.uint32(1 << i)
     elif lower == KEPT:
-        note_answer(kept_answer(i, drive, piece, rules, cells), piece, plan, game.tick)
+        note_answer(kept_answer(i, drive, piece, rules, cells), piece, mission, game.tick)
     else:
-        note_answer(ask_network(piece, plan, nets[lower - 1], rules, cells, eta), piece, plan, game.tick)
+        note_answer(
+            ask_network(piece, mission, nets[lower - 1], rules, cells, eta), piece, mission, game.tick
+        )
 
 
 @kernel
 def answer_pieces(
-    camp: CampIndex, drive: DriveRecord, game: GameRecord, pieces: Pieces, memory: Memory, plans: Plans, rules: RulesRecord, cells: Cells, los: Sightlines,
+    camp: CampIndex, drive: DriveRecord, game: GameRecord, pieces: Pieces, memory: Memory, missions: Missions, rules: RulesRecord, cells: Cells, los: Sightlines,
     eta: TravelTimes, nets: Rows,
 ) -> bool:  # fmt: skip
     """Answer for the camp's pieces that ask, where it is not the heuristic that does; False: somebody waits."""
@@ -108,19 +110,19 @@ def answer_pieces(
     for i in piece_range(first_piece(camp, game), end_piece(camp, game)):
         if drive.lower[camp] == HEURISTIC and (drive.outside >> i) & 1 == 0:
             continue
-        if can_end(pieces[i], plans[i]):
-            end_task(i, game, pieces, memory, plans, rules)
-        if asks(plans[i]) and needs_answer(pieces[i], plans[i], game.tick):
-            answer_piece(i, drive, game, pieces, memory, plans, rules, cells, los, eta, nets)
+        if can_end(pieces[i], missions[i]):
+            end_task(i, game, pieces, memory, missions, rules)
+        if asks(missions[i]) and needs_answer(pieces[i], missions[i], game.tick):
+            answer_piece(i, drive, game, pieces, memory, missions, rules, cells, los, eta, nets)
     return drive.waiting == 0
 
 
 @kernel
 def tell_pieces(
-    which: Rows, numbers: Rows, answers: Rows, drives: Rows, games: Rows, pieces: Rows, plans: Rows
+    which: Rows, numbers: Rows, answers: Rows, drives: Rows, games: Rows, pieces: Rows, missions: Rows
 ) -> None:
     """Give answers[k] to piece numbers[k] of game which[k], which waits for it."""
     for k in range(which.size):
         b, i = which[k], numbers[k]
-        note_answer(answers[k], pieces[b, i], plans[b, i], games[b].tick)
+        note_answer(answers[k], pieces[b, i], missions[b, i], games[b].tick)
         drives[b].waiting &= ~np.uint32(1 << i)

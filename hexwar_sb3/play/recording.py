@@ -54,12 +54,12 @@ def _advance(arena: Arena, recorder: Recorder) -> None:
     """Do what `advance_game` does, with the recorder looking on."""
     world, state = arena.world, arena.state
     game, pieces, memory, paths, rounds, orders, log = state.game(0)
-    drive, plans, brains = arena.drives[0], arena.plans[0], arena.brains[0]
+    drive, missions, brains = arena.drives[0], arena.missions[0], arena.brains[0]
     rules, atlas = world.rules[0], arena.atlas[0]
     until = next_decision(drive, game)
     while not game.over and game.tick < until:
         turn = take_turn(
-            until, drive, game, pieces, memory, paths, rounds, orders, plans, brains,
+            until, drive, game, pieces, memory, paths, rounds, orders, missions, brains,
             rules, world.cells, world.los, world.eta, atlas, arena.nets,
         )  # fmt: skip
         if turn == WAITS:
@@ -68,9 +68,9 @@ def _advance(arena: Arena, recorder: Recorder) -> None:
             recorder.before_step(state, 0)
             make_step(drive, game, pieces, memory, paths, rounds, orders, log, rules, world.cells, world.los)
             recorder.after_step(state, 0)
-            if note_due(drive, game, plans):
+            if note_due(drive, game, missions):
                 return
-    note_due(drive, game, plans)
+    note_due(drive, game, missions)
 
 
 def _name(player: object, seat: Seat) -> PlayerName:

@@ -17,7 +17,7 @@ from hexwar_sb3.rules.indices import CampIndex, CellIndex
 from hexwar_sb3.tasks.choose import choose_tasks
 from hexwar_sb3.tasks.features import camp_sizes
 from hexwar_sb3.tasks.observe import global_state, observe
-from hexwar_sb3.tasks.records import MAX_TASKS, TASK, PlanRecord, Plans
+from hexwar_sb3.tasks.records import MAX_TASKS, TASK, MissionRecord, Missions
 from hexwar_sb3.tasks.route import STAY, observe_route
 from hexwar_sb3.tasks.sets import list_tasks
 
@@ -71,7 +71,7 @@ def _in_dtype(full: NDArray[Any], dtype: str) -> NDArray[Any]:
 
 @kernel
 def look_batch(
-    slots: Rows, which: Rows, camps: Rows, games: Rows, pieces: Rows, memory: Rows, plans: Rows,
+    slots: Rows, which: Rows, camps: Rows, games: Rows, pieces: Rows, memory: Rows, missions: Rows,
     rules_array: Rows, cells: Rows, los: Rows, eta: Rows, spots: Rows, rows: Rows, mask: Rows, obs: Rows,
     tasks: Rows, alive: Rows, state: Rows,
 ) -> None:  # fmt: skip
@@ -86,7 +86,7 @@ def look_batch(
         s, b, camp = slots[k], which[k], camps[k]
         list_tasks(camp, games[b], pieces[b], memory[b], rules, cells, eta, spots, rows[s], mask[s])
         observe(
-            camp, games[b], pieces[b], memory[b], plans[b], rules, cells, los, eta,
+            camp, games[b], pieces[b], memory[b], missions[b], rules, cells, los, eta,
             rows[s], mask[s], obs[s], tasks[s], alive[s],
         )  # fmt: skip
         if state.shape[1] > 0:
@@ -95,7 +95,7 @@ def look_batch(
 
 @kernel
 def choose_batch(
-    slots: Rows, which: Rows, camps: Rows, actions: Rows, drives: Rows, games: Rows, plans: Rows,
+    slots: Rows, which: Rows, camps: Rows, actions: Rows, drives: Rows, games: Rows, missions: Rows,
     rows: Rows, mask: Rows, illegal: Rows,
 ) -> None:  # fmt: skip
     """Give the pieces of camp camps[k] in game which[k] the tasks that actions[k] names.
@@ -108,8 +108,8 @@ def choose_batch(
     for k in range(which.size):
         s, b, camp = slots[k], which[k], camps[k]
         illegal[k] = count_illegal(actions[k], mask[s])
-        choose_tasks(camp, actions[k], games[b], rows[s], mask[s], plans[b])
-        note_decision(camp, drives[b], games[b], plans[b])
+        choose_tasks(camp, actions[k], games[b], rows[s], mask[s], missions[b])
+        note_decision(camp, drives[b], games[b], missions[b])
 
 
 @kernel
@@ -123,20 +123,20 @@ def count_illegal(actions: Rows, mask: Rows) -> int:
 
 
 @kernel
-def note_decision(camp: CampIndex, drive: DriveRecord, game: GameRecord, plans: Plans) -> None:
+def note_decision(camp: CampIndex, drive: DriveRecord, game: GameRecord, missions: Missions) -> None:
     """A camp has decided: it acts in this very state, and starts to wait for its next cause."""
     drive.due[camp] = 0
     drive.fresh[camp] = 1
     drive.decided_at[camp] = game.tick
-    drive.ended[camp] = np.uint32(ended_tasks(camp, game, plans))
+    drive.ended[camp] = np.uint32(ended_tasks(camp, game, missions))
 
 
 @kernel
 def observe_routes(
-    which: Rows, numbers: Rows, ways: bool, pieces: Rows, plans: Rows, rules_array: Rows, cells: Rows, eta: Rows,
+    which: Rows, numbers: Rows, ways: bool, pieces: Rows, missions: Rows, rules_array: Rows, cells: Rows, eta: Rows,
     states: Rows, masks: Rows,
 ) -> None:  # fmt: skip
-    """Write what the lower level reads of piece numbers[k] in game which[k], on its way to `plan.goal`.
+    """Write what the lower level reads of piece numbers[k] in game which[k], on its way to `mission.goal`.
 
     Of a piece under way it is what it will read where it is about to arrive.
 
@@ -145,18 +145,18 @@ def observe_routes(
         states: out, [n, Dl]; masks: out, [n, 7].
     """
     for k in range(which.size):
-        piece, plan = pieces[which[k], numbers[k]], plans[which[k], numbers[k]]
-        cell = heading(piece, plan, cells)
-        goal = plan.goal if plan.goal != NO_CELL else cell
+        piece, mission = pieces[which[k], numbers[k]], missions[which[k], numbers[k]]
+        cell = heading(piece, mission, cells)
+        goal = mission.goal if mission.goal != NO_CELL else cell
         observe_route(
-            piece.kind, piece.camp, plan.kind, cell, goal, ways, rules_array[0], cells, eta,
+            piece.kind, piece.camp, mission.kind, cell, goal, ways, rules_array[0], cells, eta,
             states[k], masks[k],
         )  # fmt: skip
 
 
 @kernel
-def heading(piece: PieceRecord, plan: PlanRecord, cells: Cells) -> CellIndex:
+def heading(piece: PieceRecord, mission: MissionRecord, cells: Cells) -> CellIndex:
     """The cell that a piece is about to enter, by its last answer; else the one where it stands."""
-    if piece.arrives_at == NEVER or plan.direction == STAY:
+    if piece.arrives_at == NEVER or mission.direction == STAY:
         return CellIndex(piece.cell)
-    return CellIndex(cells[piece.cell].neighbour[plan.direction - 1])
+    return CellIndex(cells[piece.cell].neighbour[mission.direction - 1])

@@ -1,4 +1,4 @@
-"""Whether plans, brains and drives that come from a file belong to the games beside them."""
+"""Whether missions, brains and drives that come from a file belong to the games beside them."""
 
 from __future__ import annotations
 
@@ -23,13 +23,13 @@ from hexwar_sb3.play.records import EXTERNAL, DriveRecord
 from hexwar_sb3.records import fields_of
 from hexwar_sb3.rules.enums import Action, Camp, PieceType
 from hexwar_sb3.rules.indices import CampIndex, PieceIndex, camp_range
-from hexwar_sb3.tasks.records import WALKING, PlanRecord, TaskKind
+from hexwar_sb3.tasks.records import WALKING, MissionRecord, TaskKind
 
 _AT_CELL = (TaskKind.HOLD, TaskKind.HIDE, TaskKind.DROP)
 _AT_ENEMY = (TaskKind.ATTACK, TaskKind.GUIDE, TaskKind.BOMBARD, TaskKind.SHADOW)
 
 
-def check_play(world: World, state: State, plans: Rows, brains: Rows, drives: Rows) -> None:
+def check_play(world: World, state: State, missions: Rows, brains: Rows, drives: Rows) -> None:
     """Check what the drive loop keeps of games, whose state is sound.
 
     Raises:
@@ -41,35 +41,45 @@ def check_play(world: World, state: State, plans: Rows, brains: Rows, drives: Ro
         "orders": MAX_SIDE * state.games.tick.astype(np.int64),
         "losses": MAX_SIDE * int(world.rules[0].blood.max()),
     }
-    _check_plans(world, state, plans, bounds)
+    _check_missions(world, state, missions, bounds)
     _check_brains(world, brains, bounds)
     _check_drawn(state, brains, drives)
     _check_drives(world, state, drives, bounds)
     _check_orders(world, state)
 
 
-def _check_plans(world: World, state: State, plans: Rows, bounds: Bounds) -> None:
-    check_rows("plans", plans, fields_of(PlanRecord), bounds)
+def _check_missions(world: World, state: State, missions: Rows, bounds: Bounds) -> None:
+    check_rows("missions", missions, fields_of(MissionRecord), bounds)
     pieces, cells = state.pieces, world.cells
-    target = pieces[np.arange(len(plans))[:, None], plans.target]
-    named = plans.target != NO_PIECE
-    of_enemy = np.isin(plans.kind, _AT_ENEMY)
-    boards = plans.kind == TaskKind.BOARD
+    target = pieces[np.arange(len(missions))[:, None], missions.target]
+    named = missions.target != NO_PIECE
+    of_enemy = np.isin(missions.kind, _AT_ENEMY)
+    boards = missions.kind == TaskKind.BOARD
     fits = np.where(of_enemy, named & (target.camp != pieces.camp), ~named)
     fits = np.where(boards, named & (target.camp == pieces.camp) & (target.kind == PieceType.CHARIOT), fits)
-    check_all("plans.target", fits, plans.target, "an enemy, a chariot or nobody, as the kind of task has it")
+    check_all(
+        "missions.target", fits, missions.target, "an enemy, a chariot or nobody, as the kind of task has it"
+    )
     playable = cells.playable == 1
     playable[0] |= not world.scenario.points  # where bots then see their point
-    somewhere = (plans.cell != NO_CELL) & playable[plans.cell] & np.isin(plans.kind, _AT_CELL)
+    somewhere = (missions.cell != NO_CELL) & playable[missions.cell] & np.isin(missions.kind, _AT_CELL)
     check_all(
-        "plans.cell", (plans.cell == NO_CELL) | somewhere, plans.cell, "a playable cell, for a task at a cell"
+        "missions.cell",
+        (missions.cell == NO_CELL) | somewhere,
+        missions.cell,
+        "a playable cell, for a task at a cell",
     )
-    check_all("plans.goal", (plans.goal == NO_CELL) | playable[plans.goal], plans.goal, "a playable cell")
-    goes = (plans.direction == 0) | (plans.state == WALKING)
-    on_way = (pieces.arrives_at != NEVER) & (plans.direction > 0)
-    beside = cells.neighbour[pieces.cell, np.maximum(plans.direction, 1) - 1]
+    check_all(
+        "missions.goal",
+        (missions.goal == NO_CELL) | playable[missions.goal],
+        missions.goal,
+        "a playable cell",
+    )
+    goes = (missions.direction == 0) | (missions.state == WALKING)
+    on_way = (pieces.arrives_at != NEVER) & (missions.direction > 0)
+    beside = cells.neighbour[pieces.cell, np.maximum(missions.direction, 1) - 1]
     goes &= ~on_way | (beside != NO_CELL)
-    check_all("plans.direction", goes, plans.direction, "a way to walk")
+    check_all("missions.direction", goes, missions.direction, "a way to walk")
 
 
 def _check_brains(world: World, brains: Rows, bounds: Bounds) -> None:

@@ -35,7 +35,7 @@ def hull_cells(world: World, camp: int, k: int = SPOTS) -> NDArray[np.int64]:
 
 
 def send_out(
-    camp: int, game: Row, pieces: Rows, plans: Rows, world: World, k: int, rng: np.random.Generator
+    camp: int, game: Row, pieces: Rows, missions: Rows, world: World, k: int, rng: np.random.Generator
 ) -> None:
     """Send every piece of a camp to a random cell of the hull that it reaches in time."""
     cells = hull_cells(world, camp, k)
@@ -46,7 +46,7 @@ def send_out(
         way_ticks(pieces[i], cells, world.rules, world.cells, world.eta, ticks)
         near = cells[ticks <= WARM_TICKS]
         if near.size:
-            assign(plans[i], TaskKind.HOLD, NO_PIECE, CellIndex(rng.choice(near)), game.tick)
+            assign(missions[i], TaskKind.HOLD, NO_PIECE, CellIndex(rng.choice(near)), game.tick)
 
 
 @kernel

@@ -15,7 +15,7 @@ from hexwar_sb3.rules.compiled import RulesRecord
 from hexwar_sb3.rules.indices import CampIndex, CellIndex, PieceIndex
 from hexwar_sb3.tasks.known import armed_level, sees_itself, would_see
 from hexwar_sb3.tasks.progress import is_at_target
-from hexwar_sb3.tasks.records import Plans, TaskKind
+from hexwar_sb3.tasks.records import Missions, TaskKind
 from hexwar_sb3.tasks.travel import UNREACHABLE, next_direction, travel_ticks
 
 GOOD_LEVEL = 5  # attack level at which a place is good enough to shoot from
@@ -30,7 +30,7 @@ def heuristic_direction(
     i: PieceIndex,
     pieces: Pieces,
     memory: Memory,
-    plans: Plans,
+    missions: Missions,
     rules: RulesRecord,
     cells: Cells,
     los: Sightlines,
@@ -38,15 +38,15 @@ def heuristic_direction(
 ) -> int:
     """Answer of the lower level for piece i: 0 stay and perform, else direction + 1.
 
-    Writes the right place, as resolved now, into `plans[i].goal`.
+    Writes the right place, as resolved now, into `missions[i].goal`.
     """
     piece = pieces[i]
-    plan = plans[i]
-    plan.goal = right_place(i, pieces, memory, plans, rules, cells, los, eta)
-    if plan.goal == NO_CELL:
+    mission = missions[i]
+    mission.goal = right_place(i, pieces, memory, missions, rules, cells, los, eta)
+    if mission.goal == NO_CELL:
         return 0
-    covered = plan.covered == 1
-    return 1 + next_direction(piece.kind, piece.camp, piece.cell, plan.goal, covered, rules, cells, eta)
+    covered = mission.covered == 1
+    return 1 + next_direction(piece.kind, piece.camp, piece.cell, mission.goal, covered, rules, cells, eta)
 
 
 @kernel
@@ -54,20 +54,20 @@ def right_place(
     i: PieceIndex,
     pieces: Pieces,
     memory: Memory,
-    plans: Plans,
+    missions: Missions,
     rules: RulesRecord,
     cells: Cells,
     los: Sightlines,
     eta: TravelTimes,
 ) -> CellIndex:
     """The cell where piece i's task is to be done (table of architecture.md, section 3)."""
-    plan = plans[i]
-    if is_at_target(plan.kind):
-        return _place_for_target(i, pieces, memory, plans, rules, cells, los, eta)
-    if plan.kind == TaskKind.BOARD:
-        return CellIndex(pieces[plan.target].cell)
-    if plan.cell != NO_CELL:
-        return CellIndex(plan.cell)
+    mission = missions[i]
+    if is_at_target(mission.kind):
+        return _place_for_target(i, pieces, memory, missions, rules, cells, los, eta)
+    if mission.kind == TaskKind.BOARD:
+        return CellIndex(pieces[mission.target].cell)
+    if mission.cell != NO_CELL:
+        return CellIndex(mission.cell)
     return CellIndex(pieces[i].cell)
 
 
@@ -131,7 +131,7 @@ def _place_for_target(
     i: PieceIndex,
     pieces: Pieces,
     memory: Memory,
-    plans: Plans,
+    missions: Missions,
     rules: RulesRecord,
     cells: Cells,
     los: Sightlines,
@@ -139,46 +139,49 @@ def _place_for_target(
 ) -> CellIndex:
     """Here if it will do, else the first good cell on the way to where the enemy was last seen."""
     piece = pieces[i]
-    plan = plans[i]
-    j = plan.target
+    mission = missions[i]
+    j = mission.target
     target_cell = memory[piece.camp, j].cell
     if target_cell == NO_CELL:
         return CellIndex(piece.cell)
-    here = _fitness_here(i, j, plan.kind, pieces, memory, rules, cells, los)
-    if here >= GOOD_LEVEL or (plan.kind == TaskKind.SHADOW and here > _UNFIT):
+    here = _fitness_here(i, j, mission.kind, pieces, memory, rules, cells, los)
+    if here >= GOOD_LEVEL or (mission.kind == TaskKind.SHADOW and here > _UNFIT):
         return CellIndex(piece.cell)
-    if plan.kind == TaskKind.SHADOW and plan.goal != NO_CELL:
-        if fitness(i, plan.goal, j, plan.kind, pieces, memory, rules, cells, los) > _UNFIT:
-            return CellIndex(plan.goal)
-    if plan.kind == TaskKind.BOMBARD and cells_apart(cells, piece.cell, target_cell) < rules.mortar_min_cells:
+    if mission.kind == TaskKind.SHADOW and mission.goal != NO_CELL:
+        if fitness(i, mission.goal, j, mission.kind, pieces, memory, rules, cells, los) > _UNFIT:
+            return CellIndex(mission.goal)
+    if (
+        mission.kind == TaskKind.BOMBARD
+        and cells_apart(cells, piece.cell, target_cell) < rules.mortar_min_cells
+    ):
         return _step_back(piece, target_cell, rules, cells)
-    return _best_on_the_way(i, here, pieces, memory, plans, rules, cells, los, eta)
+    return _best_on_the_way(i, here, pieces, memory, missions, rules, cells, los, eta)
 
 
 @kernel
 def _best_on_the_way(
-    i: PieceIndex, here: float, pieces: Pieces, memory: Memory, plans: Plans, rules: RulesRecord, cells: Cells, los: Sightlines,
+    i: PieceIndex, here: float, pieces: Pieces, memory: Memory, missions: Missions, rules: RulesRecord, cells: Cells, los: Sightlines,
     eta: TravelTimes,
 ) -> CellIndex:  # fmt: skip
     """Walk the way in mind and keep the best place; shadows compare only the first few."""
     piece = pieces[i]
-    plan = plans[i]
-    target_cell = memory[piece.camp, plan.target].cell
+    mission = missions[i]
+    target_cell = memory[piece.camp, mission.target].cell
     end = approach(piece.kind, piece.camp, piece.cell, target_cell, rules, cells, eta)
     best, best_fitness, choices = CellIndex(piece.cell), here, 0
     cell = CellIndex(piece.cell)
     for _ in range(SEARCH_CELLS):
-        d = next_direction(piece.kind, piece.camp, cell, end, plan.covered == 1, rules, cells, eta)
+        d = next_direction(piece.kind, piece.camp, cell, end, mission.covered == 1, rules, cells, eta)
         if d == NO_DIRECTION:
             break
         cell = CellIndex(cells[cell].neighbour[d])
         if cell == target_cell:
             break
-        fit = fitness(i, cell, plan.target, plan.kind, pieces, memory, rules, cells, los)
+        fit = fitness(i, cell, mission.target, mission.kind, pieces, memory, rules, cells, los)
         if fit > best_fitness:
             best, best_fitness = cell, fit
         choices += 1 if fit > _UNFIT else 0
-        if best_fitness >= GOOD_LEVEL or (plan.kind == TaskKind.SHADOW and choices >= SHADOW_CHOICES):
+        if best_fitness >= GOOD_LEVEL or (mission.kind == TaskKind.SHADOW and choices >= SHADOW_CHOICES):
             break
     return cell if best_fitness == _UNFIT else best
 

@@ -31,7 +31,7 @@ from hexwar_sb3.tasks.features import (
     PER_WAY,
 )
 from hexwar_sb3.tasks.known import age, end_piece, first_piece, known_in_zone, sees_itself, ticks_left
-from hexwar_sb3.tasks.records import PlanRecord, Plans, TaskSets
+from hexwar_sb3.tasks.records import MissionRecord, Missions, TaskSets
 from hexwar_sb3.tasks.shots import best_shot
 from hexwar_sb3.tasks.task_rows import N_TASKS, N_TYPES, bounded, put_way, write_rows
 from hexwar_sb3.tasks.travel import travel_ticks
@@ -39,7 +39,7 @@ from hexwar_sb3.tasks.travel import travel_ticks
 
 @kernel
 def observe(
-    camp: CampIndex, game: GameRecord, pieces: Pieces, memory: Memory, plans: Plans, rules: RulesRecord, cells: Cells, los: Sightlines, eta: TravelTimes,
+    camp: CampIndex, game: GameRecord, pieces: Pieces, memory: Memory, missions: Missions, rules: RulesRecord, cells: Cells, los: Sightlines, eta: TravelTimes,
     tasks: TaskSets, mask: Rows, obs: Rows, rows: Rows, alive: Rows,
 ) -> None:  # fmt: skip
     """Write one camp's observation (fogged, in the camp's frame).
@@ -55,13 +55,13 @@ def observe(
         rows[n, :, :] = 0.0
         alive[n] = 1.0 if pieces[i].blood > 0 else 0.0
         if pieces[i].blood > 0:
-            at = _put_self(obs[n], i, game, pieces, memory, plans, rules, cells)
+            at = _put_self(obs[n], i, game, pieces, memory, missions, rules, cells)
             at = _put_neighbours(obs[n], at, pieces[i], rules, cells)
             at = _put_own(obs[n], at, i, game, pieces, cells)
             at = _put_enemies(obs[n], at, i, game, pieces, memory, cells)
             at = _put_points(obs[n], at, i, game, pieces, memory, rules, cells, eta)
             _put_game(obs[n], at, camp, game, known_margin(game, pieces, memory, camp, rules))
-        write_rows(i, game, pieces, memory, plans, rules, cells, los, eta, tasks[n], mask[n], rows[n])
+        write_rows(i, game, pieces, memory, missions, rules, cells, los, eta, tasks[n], mask[n], rows[n])
 
 
 @kernel
@@ -71,7 +71,7 @@ def _put_self(
     game: GameRecord,
     pieces: Pieces,
     memory: Memory,
-    plans: Plans,
+    missions: Missions,
     rules: RulesRecord,
     cells: Cells,
 ) -> int:
@@ -102,7 +102,7 @@ def _put_self(
     out[at + 3] = cells[piece.cell].concealed
     out[at + 4] = cells[piece.cell].exposure
     at = _put_shots(out, at + 5, i, game, pieces, memory, rules, cells)
-    return _put_plan(out, at, piece, plans[i], cells)
+    return _put_mission(out, at, piece, missions[i], cells)
 
 
 @kernel
@@ -156,12 +156,12 @@ def _put_shots(
 
 
 @kernel
-def _put_plan(out: Rows, at: int, piece: PieceRecord, plan: PlanRecord, cells: Cells) -> int:
-    out[at + plan.kind] = 1.0
+def _put_mission(out: Rows, at: int, piece: PieceRecord, mission: MissionRecord, cells: Cells) -> int:
+    out[at + mission.kind] = 1.0
     at += N_TASKS
-    out[at + plan.state] = 1.0
-    if plan.goal != NO_CELL:
-        put_way(out, at + 3, piece.camp, piece.cell, plan.goal, cells)
+    out[at + mission.state] = 1.0
+    if mission.goal != NO_CELL:
+        put_way(out, at + 3, piece.camp, piece.cell, mission.goal, cells)
     return at + 6
 
 

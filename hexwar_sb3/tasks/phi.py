@@ -22,7 +22,7 @@ from hexwar_sb3.rules.compiled import RulesRecord
 from hexwar_sb3.rules.enums import Action
 from hexwar_sb3.rules.indices import CampIndex, CellIndex, PieceIndex, piece_range
 from hexwar_sb3.tasks.known import end_piece, first_piece, known_in_zone
-from hexwar_sb3.tasks.records import Plans, TaskKind
+from hexwar_sb3.tasks.records import Missions, TaskKind
 
 
 @kernel
@@ -152,7 +152,7 @@ def task_action(
     pieces: Pieces,
     memory: Memory,
     orders: Orders,
-    plans: Plans,
+    missions: Missions,
     rules: RulesRecord,
     cells: Cells,
 ) -> bool:
@@ -161,20 +161,20 @@ def task_action(
     Direct and guided shots are not here: they come from `execute`, which sees all shooters.
     """
     piece = pieces[i]
-    plan = plans[i]
-    kind = plan.kind
-    at_place = plan.cell == NO_CELL or plan.cell == piece.cell
+    mission = missions[i]
+    kind = mission.kind
+    at_place = mission.cell == NO_CELL or mission.cell == piece.cell
     if (kind == TaskKind.HIDE or kind == TaskKind.SHADOW) and at_place:
         return give(i, Action.HIDE, NO_PIECE, NO_CELL, game, pieces, orders, rules, cells)
     if kind == TaskKind.DROP and at_place:
         return give(i, Action.GET_OFF, piece.passenger, NO_CELL, game, pieces, orders, rules, cells)
     if kind == TaskKind.BOMBARD:
-        cell = memory[piece.camp, plan.target].cell
+        cell = memory[piece.camp, mission.target].cell
         if is_own_in(piece.camp, cell, game, pieces):
             return False
         return give(i, Action.INDIRECT_SHOOT, NO_PIECE, cell, game, pieces, orders, rules, cells)
     if kind == TaskKind.BOARD and not in_fight(game, piece):
-        return give(i, Action.GET_ON, plan.target, NO_CELL, game, pieces, orders, rules, cells)
+        return give(i, Action.GET_ON, mission.target, NO_CELL, game, pieces, orders, rules, cells)
     if kind == TaskKind.RECOVER:
         return give(i, Action.DECOMPRESS, NO_PIECE, NO_CELL, game, pieces, orders, rules, cells)
     if kind == TaskKind.STOP and may_turn_back(piece, game.tick):
@@ -184,7 +184,7 @@ def task_action(
 
 @kernel
 def phi(
-    i: PieceIndex, answer: int, game: GameRecord, pieces: Pieces, memory: Memory, orders: Orders, plans: Plans, rules: RulesRecord,
+    i: PieceIndex, answer: int, game: GameRecord, pieces: Pieces, memory: Memory, orders: Orders, missions: Missions, rules: RulesRecord,
     cells: Cells,
 ) -> bool:  # fmt: skip
     """Order for a task and an answer, eq. (2): the task's action for 0, else one hop in direction answer - 1.
@@ -193,5 +193,5 @@ def phi(
         Whether an order was given; what is not legal now is asked for again at the next event.
     """
     if answer == 0:
-        return task_action(i, game, pieces, memory, orders, plans, rules, cells)
+        return task_action(i, game, pieces, memory, orders, missions, rules, cells)
     return give_move(i, answer - 1, game, pieces, orders, rules, cells)

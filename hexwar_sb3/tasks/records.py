@@ -46,7 +46,7 @@ Tasks: TypeAlias = Vector[int, TaskRecord]  # a task set
 TaskSets: TypeAlias = Table[int, int, TaskRecord]  # of a camp: [slot, row]
 
 
-class PlanRecord:
+class MissionRecord:
     """The task under way of a piece, and the style in which it is done."""
 
     kind: I1[int] = within(0, TaskKind.RECOVER)  # TaskKind
@@ -66,5 +66,5 @@ class PlanRecord:
     stop_value: F4[float] = within(0, MOST_VALUE, also=(np.inf,))
 
 
-PLAN = dtype_of(PlanRecord)
-Plans: TypeAlias = Vector[PieceIndex, PlanRecord]  # of one game
+MISSION = dtype_of(MissionRecord)
+Missions: TypeAlias = Vector[PieceIndex, MissionRecord]  # of one game

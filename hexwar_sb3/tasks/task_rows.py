@@ -36,7 +36,7 @@ from hexwar_sb3.tasks.known import (
     sees_itself,
     would_see,
 )
-from hexwar_sb3.tasks.records import PlanRecord, Plans, TaskKind, TaskRecord, Tasks
+from hexwar_sb3.tasks.records import MissionRecord, Missions, TaskKind, TaskRecord, Tasks
 from hexwar_sb3.tasks.shots import best_shot, can_aim, may_guide, may_launch, shot_value
 from hexwar_sb3.tasks.travel import travel_ticks
 
@@ -61,7 +61,7 @@ def put_way(out: Rows, at: int, camp: CampIndex, start: CellIndex, goal: CellInd
 
 @kernel
 def write_rows(
-    i: PieceIndex, game: GameRecord, pieces: Pieces, memory: Memory, plans: Plans, rules: RulesRecord, cells: Cells, los: Sightlines, eta: TravelTimes,
+    i: PieceIndex, game: GameRecord, pieces: Pieces, memory: Memory, missions: Missions, rules: RulesRecord, cells: Cells, los: Sightlines, eta: TravelTimes,
     tasks: Tasks, mask: Rows, rows: Rows,
 ) -> None:  # fmt: skip
     """Write the rows of piece i: tasks [K], mask [K] -> rows [K, Dt], which are 0 before."""
@@ -71,12 +71,12 @@ def write_rows(
             break
         out, task = rows[k], tasks[k]
         out[task.kind] = 1.0
-        out[N_TASKS] = 1.0 if is_same(task, plans[i]) else 0.0
+        out[N_TASKS] = 1.0 if is_same(task, missions[i]) else 0.0
         cell = place_of(task, piece, pieces, memory)
         put_way(out, N_TASKS + 1, piece.camp, piece.cell, cell, cells)
         way = travel_ticks(piece.kind, piece.cell, cell, rules, cells, eta)
         out[N_TASKS + 4] = min(way * PER_WAY, MOST)
-        out[N_TASKS + 6] = others_on(i, task, game, pieces, plans) * PER_COUNT
+        out[N_TASKS + 6] = others_on(i, task, game, pieces, missions) * PER_COUNT
         at = _put_place(out, N_TASKS + 7, piece.camp, cell, game, cells)
         if task.target != NO_PIECE and pieces[task.target].camp != piece.camp:
             _put_target(out, at, i, task.target, game, pieces, memory, rules, cells, los)
@@ -86,9 +86,9 @@ def write_rows(
 
 
 @kernel
-def is_same(task: TaskRecord, plan: PlanRecord) -> bool:
-    """The plan is to do this very task."""
-    return task.kind == plan.kind and task.target == plan.target and task.cell == plan.cell
+def is_same(task: TaskRecord, mission: MissionRecord) -> bool:
+    """The mission is to do this very task."""
+    return task.kind == mission.kind and task.target == mission.target and task.cell == mission.cell
 
 
 @kernel
@@ -104,14 +104,14 @@ def place_of(task: TaskRecord, piece: PieceRecord, pieces: Pieces, memory: Memor
 
 
 @kernel
-def others_on(i: PieceIndex, task: TaskRecord, game: GameRecord, pieces: Pieces, plans: Plans) -> int:
+def others_on(i: PieceIndex, task: TaskRecord, game: GameRecord, pieces: Pieces, missions: Missions) -> int:
     """Other living pieces of the camp with the same kind of task and the same target or cell."""
     if task.target == NO_PIECE and task.cell == NO_CELL:
         return 0
     count = 0
     camp = pieces[i].camp
     for k in piece_range(first_piece(camp, game), end_piece(camp, game)):
-        if k != i and pieces[k].blood > 0 and is_same(task, plans[k]):
+        if k != i and pieces[k].blood > 0 and is_same(task, missions[k]):
             count += 1
     return count
 

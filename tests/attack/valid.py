@@ -225,7 +225,7 @@ def league_settings() -> Any:
 
     learner = {"learning_starts": 0, "buffer_size": 100, "batch_size": 4, "learning_rate": 1e-3}
     games = {"games": 2, "fill_games": 0, "refit_games": 0, "match_games": 2, "warm_up_games": 2, "n_envs": 2}
-    how: dict[str, Any] = {**games, "learner": learner, **SMALL_NETS, "bots": ("MA1",)}
+    how: dict[str, Any] = {**games, "learner": learner, **SMALL_NETS, "opponents": ("MA1",)}
     return LeagueSettings(iterations=1, keep=1, scenario=SCENARIO, **how)
 
 

@@ -28,18 +28,18 @@ FULL = ("MA1", "MA2")
 
 
 def think(arena: Arena, camp: int) -> dict[str, np.ndarray]:
-    """What a player decides in game 0 as it stands: its plans, its orders and its brain; nothing is kept."""
+    """What a player decides in game 0 as it stands: its missions, its orders and its brain; nothing is kept."""
     before = arena.snapshot()
     state, world = arena.state, arena.world
     state.orders[0].kind = Action.NULL
     bot_act(
         arena.drives[0].seat[camp], CampIndex(camp), state.games[0], state.pieces[0], state.memory[0], state.rounds[0],
-        state.orders[0], arena.plans[0], arena.brains[0],
+        state.orders[0], arena.missions[0], arena.brains[0],
         world.rules[0], world.cells, world.los, world.eta, arena.atlas[0],
     )  # fmt: skip
     own = world.side(camp)
     decided = {
-        "plans": arena.plans[0, own].copy(),
+        "missions": arena.missions[0, own].copy(),
         "orders": state.orders[0, own].copy(),
         "brain": arena.brains[0, camp].copy(),
     }
@@ -124,7 +124,7 @@ def test_a_held_point_keeps_a_guard_while_a_soldier_is_there(player: str, bot_ga
                 guarded += 1
                 assert game.point_owner[k] == Camp.RED
                 assert pieces[slot].kind == PieceType.SOLDIER
-                assert arena.plans[0, slot].cell == game.point_cell[k] or pieces[slot].blood == 0
+                assert arena.missions[0, slot].cell == game.point_cell[k] or pieces[slot].blood == 0
     assert guarded > 0
 
 

@@ -20,7 +20,7 @@ from hexwar_sb3.league.settings import LeagueSettings
 from hexwar_sb3.players.frozen_lower import FrozenLower, fastest_way_network
 
 TINY = LeagueSettings(
-    keep=1, iterations=1, games=2, fill_games=1, refit_games=1, match_games=1, warm_up_games=1, n_envs=2, split=True, bots=("MA1",), hidden=64, embed=32,
+    keep=1, iterations=1, games=2, fill_games=1, refit_games=1, match_games=1, warm_up_games=1, n_envs=2, split=True, opponents=("MA1",), hidden=64, embed=32,
     learner={"learning_starts": 0, "buffer_size": 100, "batch_size": 8},
 )  # fmt: skip
 SMALL: dict[str, Any] = {"learning_starts": 0, "buffer_size": 100, "batch_size": 8, "seed": 0}

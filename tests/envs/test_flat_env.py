@@ -197,7 +197,7 @@ def test_an_invalid_task_stands_for_stop_and_is_counted(action: int) -> None:
     start = cell_of(env, slot)
     infos = decide(env, slot, action)
     assert infos[slot]["illegal_actions"] == 1
-    assert env.games.arena.plans.kind[0, slot] == TaskKind.STOP
+    assert env.games.arena.missions.kind[0, slot] == TaskKind.STOP
     assert cell_of(env, slot) == start
 
 

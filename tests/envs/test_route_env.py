@@ -309,7 +309,7 @@ def test_a_route_is_over_exactly_when_it_is_finished_or_cut_short() -> None:
     seen: dict[str, int] = {}
     for step in range(300):
         games.look()
-        before = games.arena.plans[games.all, games.focus.piece].copy()
+        before = games.arena.missions[games.all, games.focus.piece].copy()
         obs = {"obs": games.state.copy(), "action_mask": games.mask.copy()}
         answers = pick(obs, step)
         hop = games.play(answers)
@@ -328,14 +328,16 @@ def why_over(games: RouteGames, b: int, obs: Obs, answer: int, before: Any) -> s
     """How a route stands after a step, from the state of the game alone."""
     if answer == STAY and obs["obs"][b, HERE] == 1:
         return "finished"
-    piece, plan = (rows[b, games.focus.piece[b]] for rows in (games.arena.state.pieces, games.arena.plans))
+    piece, mission = (
+        rows[b, games.focus.piece[b]] for rows in (games.arena.state.pieces, games.arena.missions)
+    )
     if games.arena.state.games[b].over:
         return "end of the game"
     if piece.blood == 0:
         return "lost"
-    if any(plan[name] != before[name] for name in ("kind", "target", "cell")):
+    if any(mission[name] != before[name] for name in ("kind", "target", "cell")):
         return "other task"
-    return "ended" if plan.state == ENDED else "goes on"
+    return "ended" if mission.state == ENDED else "goes on"
 
 
 def test_a_finished_route_is_terminated_and_any_other_truncated() -> None:
@@ -443,7 +445,7 @@ def test_walks_to_random_cells_lead_far_and_tasks_alone_to_few_places() -> None:
         goals[wander] = set()
         for _ in range(60):
             games.look()
-            goals[wander] |= {(int(g),) for g in games.arena.plans.goal[games.all, games.focus.piece]}
+            goals[wander] |= {(int(g),) for g in games.arena.missions.goal[games.all, games.focus.piece]}
             hop = games.play(heuristic({"obs": games.state, "action_mask": games.mask}))
             games.next_route(games.all[hop.over])
     assert len(goals[1.0]) > len(goals[0.0])
@@ -555,10 +557,10 @@ def test_tasks_are_those_of_the_upper_level() -> None:
     games.begin(games.all)
     assert upper.calls > 0
     for b in range(2):
-        plan = games.arena.plans[b, games.focus.piece[b]]
+        mission = games.arena.missions[b, games.focus.piece[b]]
         slot = int(games.focus.piece[b]) % 7
         row = games.tasks.sight.rows[b, slot, 1]
-        assert (plan.kind, plan.target, plan.cell) == (row.kind, row.target, row.cell)
+        assert (mission.kind, mission.target, mission.cell) == (row.kind, row.target, row.cell)
 
 
 def test_a_new_game_begins_with_the_tasks_of_the_upper_level_too() -> None:
@@ -572,9 +574,9 @@ def test_a_new_game_begins_with_the_tasks_of_the_upper_level_too() -> None:
             games.all[games.play(heuristic({"obs": games.state, "action_mask": games.mask})).over]
         )
         for b in np.flatnonzero(games.arena.state.games.tick == 0):
-            plan = games.arena.plans[b, games.focus.piece[b]]
+            mission = games.arena.missions[b, games.focus.piece[b]]
             row = games.tasks.sight.rows[b, int(games.focus.piece[b]) % 7, 1]
-            assert (plan.kind, plan.target, plan.cell) == (row.kind, row.target, row.cell)
+            assert (mission.kind, mission.target, mission.cell) == (row.kind, row.target, row.cell)
 
 
 def test_kept_tasks_are_kept_whatever_the_upper_level_says() -> None:
@@ -582,11 +584,11 @@ def test_kept_tasks_are_kept_whatever_the_upper_level_says() -> None:
         2, route_settings({"upper": Taskmaster(1), "wander": 0.0, "keep_task": 1.0}), "plain", seed=0
     )
     games.begin(games.all)
-    before = games.arena.plans[["kind", "target", "cell"]].copy()
+    before = games.arena.missions[["kind", "target", "cell"]].copy()
     games.set_upper(Taskmaster(3))
     games.decide(games.all)
     focal = games.all, games.focus.piece
-    assert (games.arena.plans[["kind", "target", "cell"]][focal] == before[focal]).all()
+    assert (games.arena.missions[["kind", "target", "cell"]][focal] == before[focal]).all()
 
 
 def test_another_upper_level_takes_over_at_the_next_decision() -> None:

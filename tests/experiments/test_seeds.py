@@ -18,9 +18,9 @@ RUNS = runs(Budget(games=100), range(4))
 def test_candidates_have_all_seeds_on_plain_and_the_default_three_on_other_maps() -> None:
     names = {run.name for run in RUNS}
 
-    assert {f"{name}-{seed}" for name in (*CANDIDATES, "hrl-plain") for seed in range(4)} <= names
+    assert {f"{name}-{seed}" for name in ("default", *CANDIDATES, "hrl-plain") for seed in range(4)} <= names
     assert {f"{scenario}-{seed}" for scenario in ("hills", "paddy") for seed in range(3)} <= names
-    assert len(names) == 4 * len(CANDIDATES) + 4 + 6
+    assert len(names) == 4 * len(CANDIDATES) + 8 + 6
     assert all(parse(run.arguments).games == 100 for run in RUNS)
 
 

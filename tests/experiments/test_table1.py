@@ -24,6 +24,7 @@ from hexwar_sb3.league.distil import Lessons
 from hexwar_sb3.league.member import as_member
 from hexwar_sb3.league.settings import LeagueSettings
 from hexwar_sb3.players.frozen import FrozenPolicy
+from tests.experiments.conftest import page_rows
 
 WINS = {
     "HRL0": 2,
@@ -72,7 +73,7 @@ def small(folder: Path, **settings: Any) -> Table1:
         places=places,
         seeds=(0, 1),
         settings=LeagueSettings(
-            keep=2, iterations=1, games=4, fill_games=1, refit_games=1, match_games=2, warm_up_games=2, n_envs=2, bots=("MA1", "drawn"),
+            keep=2, iterations=1, games=4, fill_games=1, refit_games=1, match_games=2, warm_up_games=2, n_envs=2, opponents=("MA1", "drawn"),
             learner={"learning_starts": 0, "buffer_size": 200, "batch_size": 8}, **settings,
         ),
         lessons=Lessons(games=2, updates=5, batch_size=8),
@@ -81,11 +82,17 @@ def small(folder: Path, **settings: Any) -> Table1:
         progress_games=2,
     )  # fmt: skip
     env = make_vec_env(n_envs=1, privileged_state=True, seed=0)
-    for run in (*made.warm_ups(), made.broad()):
+    for run in (*made.warm_ups(), *made.starters()):
         model = QMIX("TaskPolicy", env, seed=run.seed, buffer_size=10)
         kept, policy = places.kept(run), folder / run.name
         as_member(model, side="both", scenario="plain").save(policy)
-        kept.put(Record(command=run.command, config={}, page={"minutes": 1.0}), [], policy)
+        kept.put(
+            Record(
+                command=run.command, config={}, page={"minutes": 1.0, "rows": page_rows(0.1 * run.seed, 0.0)}
+            ),
+            [],
+            policy,
+        )
     return made
 
 

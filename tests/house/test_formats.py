@@ -403,7 +403,7 @@ DEFAULTS: list[tuple[str, str, dict[str, str]]] = [
     (
         "league",
         "Fields of `settings`",
-        {**defaults_of(LeagueSettings), "bots": "BOTS, below", "learner": "LEARNER, below"},
+        {**defaults_of(LeagueSettings), "opponents": "OPPONENTS, below", "learner": "LEARNER, below"},
     ),
 ]
 
@@ -415,12 +415,12 @@ def test_defaults_are_those_of_the_code(name: str, heading: str, expected: dict[
     assert found == {key: expected[key] for key in found}
 
 
-def test_the_learner_and_the_bots_of_a_league_are_told() -> None:
+def test_the_learner_and_the_opponents_of_a_league_are_told() -> None:
     found = rows("league", "Fields of `learner`", "field")
 
     told = {name: row["LEARNER"].strip("`") for name, row in found.items() if row["LEARNER"]}
     assert told == {name: written(value) for name, value in LEARNER.items()}
-    assert f"BOTS are {', '.join(f'`{bot}`' for bot in OPPONENTS)}." in page("league")
+    assert f"OPPONENTS are {', '.join(f'`{bot}`' for bot in OPPONENTS)};" in page("league")
 
 
 def test_ranges_are_those_of_the_code() -> None:

@@ -51,8 +51,8 @@ PLANTS = {
     ),
     "cell for point": Plant(
         "bots/duties.py",
-        "give_plan(style, i, TaskKind.HOLD, game.point_cell[k], game, plans)",
-        "give_plan(style, i, TaskKind.HOLD, game.point_cell[plans[i].cell], game, plans)",
+        "give_mission(style, i, TaskKind.HOLD, game.point_cell[k], game, missions)",
+        "give_mission(style, i, TaskKind.HOLD, game.point_cell[missions[i].cell], game, missions)",
         'Invalid index type "CellIndex"',
     ),
     "arguments swapped": Plant(
@@ -62,7 +62,10 @@ PLANTS = {
         'incompatible type "CellIndex"; expected "Camp"',
     ),
     "piece in a field for cells": Plant(
-        "tasks/choose.py", "plan.goal = NO_CELL", "plan.goal = NO_PIECE", 'variable has type "CellIndex"'
+        "tasks/choose.py",
+        "mission.goal = NO_CELL",
+        "mission.goal = NO_PIECE",
+        'variable has type "CellIndex"',
     ),
 }
 

@@ -19,7 +19,7 @@ TINY: dict[str, Any] = {
     "games": 4,
     "fill_games": 1,
     "refit_games": 1,
-    "bots": ("MA1", "drawn=2"),
+    "opponents": ("MA1", "drawn=2"),
     "match_games": 2,
     "warm_up_games": 2,
     "n_envs": 2,

@@ -48,7 +48,7 @@ def test_every_red_model_trains_with_every_blue_one(whole: League) -> None:
     assert pairs == [(red.name, blue.name) for red in kept["red"] for blue in kept["blue"]]
 
 
-def test_models_meet_their_partner_the_past_and_the_bots(whole: League) -> None:
+def test_models_meet_their_partner_the_past_and_the_opponents(whole: League) -> None:
     spec = whole.specs(2)[0]
 
     assert [str(player) for player, _ in spec.others["red"]] == [
@@ -162,7 +162,7 @@ def test_the_best_weighted_win_rate_is_kept(which: str, request: pytest.FixtureR
         assert 0.0 <= low <= row["win_rate"] <= high <= 1.0
 
 
-def test_bots_play_in_the_round_robin_but_are_not_kept(whole: League) -> None:
+def test_opponents_play_in_the_round_robin_but_are_not_kept(whole: League) -> None:
     found = json.loads((whole.iteration(2) / "table.json").read_text())
 
     for camp in ("red", "blue"):
@@ -301,8 +301,8 @@ def test_a_colour_needs_a_model_to_begin_with(tiny: LeagueSettings, tmp_path: Pa
 def test_a_bot_that_does_not_exist_leaves_no_league(
     tiny: LeagueSettings, starters: dict[str, Path], tmp_path: Path
 ) -> None:
-    with pytest.raises(UnknownNameError, match="unknown bot 'MA7'"):
-        League.create(tmp_path / "league", replace(tiny, bots=("MA7",)), starters)
+    with pytest.raises(UnknownNameError, match="unknown opponent 'MA7'"):
+        League.create(tmp_path / "league", replace(tiny, opponents=("MA7",)), starters)
     assert not (tmp_path / "league").exists()
 
 
@@ -349,7 +349,10 @@ BROKEN: dict[str, tuple[Callable[[dict[str, Any]], object], str]] = {
     "other rules": (lambda head: head.update(rules="0.9 abc"), "rules: found 0.9 abc"),
     "no settings": (lambda head: head.pop("settings"), "format: "),
     "another format": (lambda head: head.update(format="pickle"), "format: found 'pickle'"),
-    "no bots": (lambda head: head["settings"].update(bots=None), "bots: found None; expected a list"),
+    "no bots": (
+        lambda head: head["settings"].update(opponents=None),
+        "opponents: found None; expected a list",
+    ),
     "a setting less": (
         lambda head: head["settings"].pop("priority"),
         "priority: found nothing; expected a finite number",

@@ -37,7 +37,7 @@ def test_nothing_but_our_errors_comes_of_a_bad_league(tiny: LeagueSettings, bad:
 
 @pytest.mark.parametrize(
     ("change", "said"),
-    [({"keep": 17}, "keep must be at most 16, got 17"), ({"bots": ["MA7"]}, "unknown bot 'MA7'")],
+    [({"keep": 17}, "keep must be at most 16, got 17"), ({"opponents": ["MA7"]}, "unknown opponent 'MA7'")],
 )
 def test_a_setting_that_cannot_be_is_refused_with_file_and_place(
     tiny: LeagueSettings, change: dict[str, Any], said: str, tmp_path: Path

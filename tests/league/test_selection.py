@@ -8,7 +8,7 @@ from hexwar_sb3.league.selection import select, weights
 
 
 @pytest.mark.parametrize(
-    ("rates", "are_bots", "share", "expected"),
+    ("rates", "are_rivals", "share", "expected"),
     [
         ([0.9, 0.1, 0.8, 0.3], [False, False, True, True], 0.5, [0.25, 0.25, 0.0, 0.5]),
         ([0.9, 0.1, 0.3, 0.8], [False, False, True, True], 0.5, [0.25, 0.25, 0.5, 0.0]),
@@ -18,10 +18,10 @@ from hexwar_sb3.league.selection import select, weights
         ([0.4], [False], 0.5, [1.0]),
     ],
 )
-def test_of_the_bots_only_the_worst_result_counts(
-    rates: list[float], are_bots: list[bool], share: float, expected: list[float]
+def test_of_the_rivals_only_the_worst_result_counts(
+    rates: list[float], are_rivals: list[bool], share: float, expected: list[float]
 ) -> None:
-    assert weights(rates, are_bots, share) == expected
+    assert weights(rates, are_rivals, share) == expected
 
 
 def test_models_of_both_camps_are_ranked_by_both() -> None:

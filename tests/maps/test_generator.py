@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from hexwar_sb3.maps.files import BUILTIN, load_map, load_scenario
-from hexwar_sb3.maps.generator import PLANS, generate, standard_scenario
+from hexwar_sb3.maps.generator import MAP_SPECS, generate, standard_scenario
 from hexwar_sb3.maps.geometry import Bools, neighbour_cells
 from hexwar_sb3.maps.hexmap import HexMap
 from hexwar_sb3.maps.landscape import Canvas
@@ -110,18 +110,18 @@ def test_builtin_files_are_small() -> None:
 
 
 def test_builtin_files_are_what_their_seed_makes(scenario: Scenario) -> None:
-    plan = PLANS[scenario.name]
-    assert scenario.hexmap.seed == plan.seed
-    assert generate(plan).hash == scenario.hexmap.hash
+    spec = MAP_SPECS[scenario.name]
+    assert scenario.hexmap.seed == spec.seed
+    assert generate(spec).hash == scenario.hexmap.hash
     assert standard_scenario(scenario.hexmap).hash == scenario.hash
 
 
-@pytest.mark.parametrize("name", PLANS)
+@pytest.mark.parametrize("name", MAP_SPECS)
 def test_one_seed_makes_one_map_and_another_seed_another(name: str) -> None:
-    plan = PLANS[name]
-    assert generate(plan).hash == generate(plan).hash
-    other = generate(replace(plan, seed=99))
-    assert other.hash != generate(plan).hash
+    spec = MAP_SPECS[name]
+    assert generate(spec).hash == generate(spec).hash
+    other = generate(replace(spec, seed=99))
+    assert other.hash != generate(spec).hash
     assert other.is_symmetric()
     assert standard_scenario(other).hexmap is other
 

@@ -40,8 +40,8 @@ def played_out(arena: Arena) -> Arena:
 
 
 def same_game(one: Arena, b: int, other: Arena, other_b: int) -> bool:
-    """Equal in every field: state and plans of a game in two arenas."""
-    names = ("games", "pieces", "memory", "paths", "rounds", "plans", "brains")
+    """Equal in every field: state and missions of a game in two arenas."""
+    names = ("games", "pieces", "memory", "paths", "rounds", "missions", "brains")
     one_rows, other_rows = one.snapshot(), other.snapshot()
     return all(np.array_equal(one_rows[name][b], other_rows[name][other_b]) for name in names)
 

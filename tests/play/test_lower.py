@@ -38,7 +38,7 @@ PLACES = index("route", 1, 1, 1)
 HERE = PLACES["goal: here"].start
 DETOURS = [PLACES[f"neighbour {d}: detour"].start for d in range(6)]
 WAYS = [PLACES["goal: way"].start, *DETOURS]
-PLAYED = ("games", "pieces", "memory", "paths", "rounds", "plans", "brains")
+PLAYED = ("games", "pieces", "memory", "paths", "rounds", "missions", "brains")
 GAMES = 2
 
 States = NDArray[np.float32]
@@ -228,12 +228,12 @@ def questions(arena: Arena, piece: int) -> list[int]:
     """Ticks at which the piece's lower level is asked, by a loop that is cut at every tick."""
     arena.drives[0].asked[Camp.BLUE], arena.drives[0].period[Camp.BLUE] = 1, 1
     found: list[int] = []
-    plan = arena.plans[0, piece]
+    mission = arena.missions[0, piece]
     while not arena.over(ONE)[0]:
         decide(arena)
         arena.advance(ONE)
-        if asks(plan) and plan.asked_at >= 0 and plan.asked_at not in found[-1:]:
-            found.append(int(plan.asked_at))
+        if asks(mission) and mission.asked_at >= 0 and mission.asked_at not in found[-1:]:
+            found.append(int(mission.asked_at))
     return found
 
 
@@ -246,7 +246,7 @@ def test_the_loop_stops_exactly_where_a_piece_led_from_outside_asks(world: World
     """At a cell's centre, on arrival or with a task just given; nowhere else, and for nobody else."""
     i = world.piece_names(Camp.RED).index(name)
     arena, stops = two_seats(world, i), []
-    piece, plan = arena.state.pieces[0, i], arena.plans[0, i]
+    piece, mission = arena.state.pieces[0, i], arena.missions[0, i]
     while not arena.over(ONE)[0]:
         decide(arena)
         arena.advance(ONE)
@@ -255,9 +255,9 @@ def test_the_loop_stops_exactly_where_a_piece_led_from_outside_asks(world: World
             stops.append(tick)
             assert arena.waiting(0, Camp.RED).tolist() == [i]
             assert piece.arrives_at == NEVER
-            assert piece.arrived_at == tick or plan.chosen_at == tick
-            assert plan.state != ENDED
-            assert asks(plan)
+            assert piece.arrived_at == tick or mission.chosen_at == tick
+            assert mission.state != ENDED
+            assert asks(mission)
             arena.tell(ONE, np.array([i]), answer_like_heuristic(arena, i))
 
     assert stops == questions(two_seats(world, None), i)
@@ -331,7 +331,7 @@ def test_a_piece_that_is_let_go_is_led_by_its_camps_lower_level_again(world: Wor
 def test_answers_that_are_none_are_refused(answer: Callable[[Masks], Any], message: str) -> None:
     """The tank alone asks; staying is not valid, for its goal is elsewhere."""
     lane = make_lane(Camp.RED)
-    assign(lane.plans[0, 1], TaskKind.STOP, NO_PIECE, NO_CELL, 0)
+    assign(lane.missions[0, 1], TaskKind.STOP, NO_PIECE, NO_CELL, 0)
     lane.set_lower(0, Camp.RED, lambda _, masks: answer(masks))
 
     with pytest.raises(ConfigError, match=message):
@@ -351,7 +351,7 @@ def make_lane(camp: Camp) -> Arena:
     arena = Arena(load_world(parse_board(text).scenario), 1, Terms(decision_ticks=1800, spots=0))
     arena.begin(0, 1, None, None)
     for i in range(2):
-        assign(arena.plans[0, i], TaskKind.HOLD, NO_PIECE, CellIndex(11 if camp == Camp.BLUE else 0), 0)
+        assign(arena.missions[0, i], TaskKind.HOLD, NO_PIECE, CellIndex(11 if camp == Camp.BLUE else 0), 0)
     arena.drives[0].due[:], arena.drives[0].fresh[:] = 0, 1
     return arena
 
@@ -374,7 +374,7 @@ def test_a_kept_direction_is_followed_until_it_is_illegal_wherever_the_goal_is(c
     lane.advance(ONE)
 
     assert names(lane) == [edge, "0605"]
-    assert lane.plans[0].state.tolist() == [STAYING, STAYING]
+    assert lane.missions[0].state.tolist() == [STAYING, STAYING]
     assert lane.drives[0].lower[camp] == KEPT
 
 
@@ -408,7 +408,7 @@ lane, lower = names["make_lane"](1), names["random_lower"](3)
 lane.set_lower(0, 1, lower)
 lane.drives[0].period[:] = 100
 lane.advance(np.zeros(1, np.int64))
-digest = hashlib.sha256(lane.state.pieces.tobytes() + lane.plans.tobytes() + lane.drives.tobytes())
+digest = hashlib.sha256(lane.state.pieces.tobytes() + lane.missions.tobytes() + lane.drives.tobytes())
 digest.update(lower.q_values(names["random_states"](5)).tobytes())
 print(digest.hexdigest(), *names["names"](lane))
 """

@@ -18,7 +18,7 @@ from hexwar_sb3.engine.world import World, load_world
 from hexwar_sb3.kernels import Row
 from hexwar_sb3.rules.enums import Action, Camp
 from hexwar_sb3.rules.indices import CampIndex, CellIndex, PieceIndex
-from hexwar_sb3.tasks.choose import assign, choose_tasks, new_plans
+from hexwar_sb3.tasks.choose import assign, choose_tasks, new_missions
 from hexwar_sb3.tasks.execute import execute_tasks
 from hexwar_sb3.tasks.features import index, sizes
 from hexwar_sb3.tasks.observe import observe
@@ -63,7 +63,7 @@ class Board:
         self.game, self.pieces, self.memory, self.paths, self.rounds, self.orders, self.log = self.state.game(
             0
         )
-        self.plans = new_plans(1, world.n_pieces)[0]
+        self.missions = new_missions(1, world.n_pieces)[0]
         self.rules, self.cells, self.los = world.tables
         self.eta = world.eta
         self.spots = load_spots(world)
@@ -139,7 +139,7 @@ class Board:
             "alive": np.full(N, np.nan, np.float32),
         }
         observe(
-            camp, self.game, self.pieces, self.memory, self.plans, self.rules, self.cells, self.los, self.eta,
+            camp, self.game, self.pieces, self.memory, self.missions, self.rules, self.cells, self.los, self.eta,
             tasks, mask, out["obs"], out["rows"], out["alive"],
         )  # fmt: skip
         return out | {"mask": mask, "tasks": tasks}
@@ -160,14 +160,14 @@ class Board:
         return [float(x) for x in seen["rows"][self.i(name), k, index("row", N, N, 2)[f"task: {feature}"]]]
 
     def task(self, name: str, kind: TaskKind, target: int = NO_PIECE, cell: int = -1) -> Row:
-        """Give a piece a task now; returns its plan."""
-        plan = self.plans[self.i(name)]
-        assign(plan, kind, PieceIndex(target), CellIndex(cell), self.game.tick)
-        return plan
+        """Give a piece a task now; returns its mission."""
+        mission = self.missions[self.i(name)]
+        assign(mission, kind, PieceIndex(target), CellIndex(cell), self.game.tick)
+        return mission
 
     def execute(self, camp: CampIndex = Camp.RED) -> None:
         execute_tasks(
-            camp, self.game, self.pieces, self.memory, self.paths, self.rounds, self.orders, self.plans,
+            camp, self.game, self.pieces, self.memory, self.paths, self.rounds, self.orders, self.missions,
             self.rules, self.cells, self.los, self.eta,
         )  # fmt: skip
 
@@ -200,7 +200,7 @@ class Board:
     def decide(self, camp: CampIndex, choose: Choose) -> None:
         """Let a chooser give the tasks of a camp."""
         tasks, mask = self.sets(camp)
-        choose_tasks(camp, choose(self, camp, tasks, mask), self.game, tasks, mask, self.plans)
+        choose_tasks(camp, choose(self, camp, tasks, mask), self.game, tasks, mask, self.missions)
 
     def play(self, ticks: int, choose: Choose) -> None:
         """Play with both camps' tasks chosen every 75 ticks."""

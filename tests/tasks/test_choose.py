@@ -15,19 +15,19 @@ if TYPE_CHECKING:
 
 
 def test_the_same_task_goes_on(board: Board) -> None:
-    plan = board.task("tank0", TaskKind.HOLD, cell=2449)
-    plan.state, plan.goal, plan.fire_value = STAYING, 2449, 9.0
+    mission = board.task("tank0", TaskKind.HOLD, cell=2449)
+    mission.state, mission.goal, mission.fire_value = STAYING, 2449, 9.0
     board.game.tick = 75
     board.task("tank0", TaskKind.HOLD, cell=2449)
 
-    assert (plan.state, plan.goal, plan.fire_value, plan.chosen_at) == (STAYING, 2449, 9.0, 75)
+    assert (mission.state, mission.goal, mission.fire_value, mission.chosen_at) == (STAYING, 2449, 9.0, 75)
 
 
 def test_another_cell_or_an_ended_task_begins_anew(board: Board) -> None:
-    plan = board.task("tank0", TaskKind.HOLD, cell=2449)
-    plan.state = STAYING
+    mission = board.task("tank0", TaskKind.HOLD, cell=2449)
+    mission.state = STAYING
     assert board.task("tank0", TaskKind.HOLD, cell=3301).state == WALKING
-    plan.state = ENDED
+    mission.state = ENDED
     assert board.task("tank0", TaskKind.HOLD, cell=3301).state == WALKING
 
 
@@ -43,7 +43,7 @@ def test_the_kind_sets_the_fire_style(board: Board) -> None:
 
 def test_an_action_that_names_no_valid_row_stops(board: Board) -> None:
     tasks, mask = board.sets()
-    choose_tasks(Camp.RED, np.array([1, 39, -1, 400, 1, 0, 2]), board.game, tasks, mask, board.plans)
+    choose_tasks(Camp.RED, np.array([1, 39, -1, 400, 1, 0, 2]), board.game, tasks, mask, board.missions)
 
-    kinds = [TaskKind(plan.kind) for plan in board.plans[:7]]
+    kinds = [TaskKind(mission.kind) for mission in board.missions[:7]]
     assert kinds == [TaskKind.HOLD, *[TaskKind.STOP] * 5, TaskKind.HOLD]

@@ -48,40 +48,40 @@ def test_a_chain_of_hops_costs_no_delay(field: Board) -> None:
 
 def test_the_lower_level_is_asked_on_arrival_and_at_decisions_only(field: Board) -> None:
     field.put("tank0", field.cell(10, 2))
-    plan = field.task("tank0", K.HOLD, cell=field.cell(15, 2))
+    mission = field.task("tank0", K.HOLD, cell=field.cell(15, 2))
     field.run(19)
-    assert plan.asked_at == 0
+    assert mission.asked_at == 0
     field.run(20)
     field.execute()
-    assert (plan.asked_at, plan.state, plan.direction) == (20, WALKING, E + 1)
+    assert (mission.asked_at, mission.state, mission.direction) == (20, WALKING, E + 1)
     field.run(300)
-    assert (plan.asked_at, plan.state) == (100, STAYING)
+    assert (mission.asked_at, mission.state) == (100, STAYING)
     field.task("tank0", K.HOLD, cell=field.cell(15, 2))
     field.execute()
-    assert plan.asked_at == 300
+    assert mission.asked_at == 300
 
 
 def test_another_task_in_the_middle_of_a_hop_waits_for_its_end(field: Board) -> None:
     field.put("tank0", field.cell(10, 2))
     field.task("tank0", K.HOLD, cell=field.cell(15, 2))
     field.run(5)
-    plan = field.task("tank0", K.HOLD, cell=field.cell(5, 2))
+    mission = field.task("tank0", K.HOLD, cell=field.cell(5, 2))
     assert field.ordered("tank0") == Action.NULL
     field.run(121)
 
     assert field.pieces[0].cell == field.cell(6, 2)
-    assert plan.state == WALKING
+    assert mission.state == WALKING
 
 
 def test_stop_turns_back_and_ends(field: Board) -> None:
     field.put("tank0", field.cell(10, 2))
     field.task("tank0", K.HOLD, cell=field.cell(15, 2))
     field.run(5)
-    plan = field.task("tank0", K.STOP)
+    mission = field.task("tank0", K.STOP)
     assert field.ordered("tank0") == Action.STOP
     field.run(10)
     assert field.pieces[0].cell == field.cell(10, 2)
-    assert plan.state == ENDED
+    assert mission.state == ENDED
 
 
 def test_a_point_is_occupied_on_the_way_and_the_way_goes_on(field: Board) -> None:
@@ -117,11 +117,11 @@ def test_hide_and_drop_are_done_as_soon_as_they_are_legal(field: Board) -> None:
 
 def test_a_settled_piece_fires_at_what_it_sees(field: Board) -> None:
     meet(field, "tank0", 5)
-    plan = field.task("tank0", K.HOLD, cell=field.cell(10, 2))
+    mission = field.task("tank0", K.HOLD, cell=field.cell(10, 2))
     assert field.ordered("tank0") == Action.SHOOT
-    plan.fire_value = 1000.0
+    mission.fire_value = 1000.0
     assert field.ordered("tank0") == Action.NULL
-    plan.fire_value, plan.hold_fire = 0.5, 1
+    mission.fire_value, mission.hold_fire = 0.5, 1
     assert field.ordered("tank0") == Action.NULL
 
 
@@ -129,8 +129,8 @@ def test_an_attack_fires_at_its_own_target_even_under_held_fire(field: Board) ->
     j = meet(field, "tank0", 5)
     field.put("blue:tank0", field.cell(12, 2), blood=1)
     field.look()
-    plan = field.task("tank0", K.ATTACK, target=j)
-    plan.hold_fire = 1
+    mission = field.task("tank0", K.ATTACK, target=j)
+    mission.hold_fire = 1
 
     assert field.ordered("tank0") == Action.SHOOT
     assert field.orders[0].target == j
@@ -162,10 +162,10 @@ def test_a_tank_fires_its_gun_without_giving_up_its_way(field: Board) -> None:
 
 def test_a_chariot_does_not_move_on_for_a_shot_worth_a_stop(field: Board) -> None:
     meet(field, "chariot0", 8)
-    plan = field.task("chariot0", K.HOLD, cell=field.cell(5, 2))
+    mission = field.task("chariot0", K.HOLD, cell=field.cell(5, 2))
     field.pieces[2].stop_ends = 40
     assert field.ordered("chariot0") == Action.MOVE
-    plan.stop_value = 2.5
+    mission.stop_value = 2.5
     assert field.ordered("chariot0") == Action.NULL
     field.pieces[2].stop_ends = NEVER
     assert field.ordered("chariot0") == Action.SHOOT
@@ -173,10 +173,10 @@ def test_a_chariot_does_not_move_on_for_a_shot_worth_a_stop(field: Board) -> Non
 
 def test_a_chariot_under_way_stops_for_a_new_contact(field: Board) -> None:
     meet(field, "chariot0", 8)
-    plan = field.task("chariot0", K.HOLD, cell=field.cell(5, 2))
+    mission = field.task("chariot0", K.HOLD, cell=field.cell(5, 2))
     field.put("chariot0", field.cell(10, 2), path_len=1, hop_need=20, arrives_at=18)
     assert field.ordered("chariot0") == Action.NULL
-    plan.stop_value = 2.5
+    mission.stop_value = 2.5
     assert field.ordered("chariot0") == Action.STOP
     field.game.contact_tick[0] = -1
     assert field.ordered("chariot0") == Action.NULL
@@ -187,15 +187,15 @@ def test_guide_fires_the_chariots_missile(field: Board) -> None:
     field.land("soldier0")
     field.put("chariot0", field.cell(6, 2))
     field.look()
-    plan = field.task("soldier0", K.GUIDE, target=j)
-    field.plans[2].hold_fire = 1  # else the chariot fires by itself: its shot is as good
+    mission = field.task("soldier0", K.GUIDE, target=j)
+    field.missions[2].hold_fire = 1  # else the chariot fires by itself: its shot is as good
 
     field.execute()
     row = field.orders[field.i("soldier0")]
     assert (row.kind, row.target, row.partner) == (Action.GUIDE_SHOOT, j, field.i("chariot0"))
-    assert plan.state == STAYING
+    assert mission.state == STAYING
     field.orders.kind = Action.NULL
-    field.plans[2].hold_fire = 0
+    field.missions[2].hold_fire = 0
     field.execute()
     assert field.orders[field.i("soldier0")].kind != Action.GUIDE_SHOOT
     assert field.orders[2].kind == Action.SHOOT
@@ -206,13 +206,13 @@ def test_a_chariot_waits_for_the_soldier_that_boards_it(field: Board) -> None:
     field.land("soldier0")
     field.put("soldier0", field.cell(10, 2), stop_ends=30)
     field.put("chariot0", field.cell(10, 2))
-    board_plan = field.task("soldier0", K.BOARD, target=chariot)
+    board_mission = field.task("soldier0", K.BOARD, target=chariot)
     field.task("chariot0", K.HOLD, cell=field.cell(15, 2))
     assert field.ordered("chariot0") == Action.NULL
     field.run(400)
 
     assert field.pieces[soldier].carrier == chariot
-    assert board_plan.state == ENDED
+    assert board_mission.state == ENDED
     assert field.pieces[chariot].cell == field.cell(15, 2)
 
 
@@ -237,7 +237,7 @@ def test_two_soldiers_for_one_chariot_do_not_block_each_other(field: Board) -> N
     field.execute()
 
     assert field.pieces[field.i("chariot0")].passenger == field.i("soldier0")
-    assert field.plans[field.i("soldier1")].state == ENDED
+    assert field.missions[field.i("soldier1")].state == ENDED
     assert set(field.codes) == {Code.OK}
 
 
@@ -260,10 +260,10 @@ def test_a_bombarding_chariot_stands_until_its_round_has_landed(field: Board) ->
 
 def test_a_target_known_to_be_dead_ends_the_task(field: Board) -> None:
     j = meet(field, "tank0", 12)
-    plan = field.task("tank0", K.ATTACK, target=j)
+    mission = field.task("tank0", K.ATTACK, target=j)
     field.memory[0, j].blood = 0
     field.execute()
-    assert (plan.state, plan.direction) == (ENDED, 0)
+    assert (mission.state, mission.direction) == (ENDED, 0)
 
 
 def test_a_direct_order_is_kept(field: Board) -> None:

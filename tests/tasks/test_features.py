@@ -76,8 +76,8 @@ def test_the_dead_observe_nothing(board: Board) -> None:
 def test_own_features(field: Board) -> None:
     field.put("tank0", field.cell(20, 10), blood=2, hidden=1, cool_ends=30)
     field.look()
-    plan = field.task("tank0", K.HOLD, cell=field.cell(20, 16))
-    plan.state, plan.goal = STAYING, plan.cell
+    mission = field.task("tank0", K.HOLD, cell=field.cell(20, 16))
+    mission.state, mission.goal = STAYING, mission.cell
 
     assert field.feature("tank0", "self: blood") == pytest.approx([2 / 3])
     assert field.feature("tank0", "self: hidden, suppressed") == [1.0, 0.0]
@@ -150,7 +150,7 @@ def scramble_unseen(board: Board, camp: int, rng: np.random.Generator) -> None:
             piece.cell = rng.choice(np.flatnonzero(board.cells.passable))
             piece.blood, piece.hidden, piece.suppressed = rng.integers(0, 3), 1, 1
             piece.path_len = rng.integers(0, 2)
-        board.plans[j].kind, board.plans[j].target = K.ATTACK, 0
+        board.missions[j].kind, board.missions[j].target = K.ATTACK, 0
         board.memory[1 - camp, j - N * (1 - 2 * camp)].cell = rng.integers(0, 100)
     board.game.loss_tick[1 - camp] = board.game.contact_tick[1 - camp] = 3
     board.game.seed += np.uint64(1)
@@ -189,7 +189,7 @@ def test_the_mixers_state_is_the_true_state(field: Board) -> None:
 
 
 def test_an_unreachable_or_unknown_place_keeps_rows_finite(field: Board) -> None:
-    plan = field.task("tank0", K.ATTACK, target=N)
-    assert (plan.goal, plan.cell, field.memory[0, N].cell) == (NO_CELL, NO_CELL, NO_CELL)
+    mission = field.task("tank0", K.ATTACK, target=N)
+    assert (mission.goal, mission.cell, field.memory[0, N].cell) == (NO_CELL, NO_CELL, NO_CELL)
     assert np.isfinite(field.observation()["obs"]).all()
-    assert plan.target != NO_PIECE
+    assert mission.target != NO_PIECE

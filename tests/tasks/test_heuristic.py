@@ -23,13 +23,27 @@ K = TaskKind
 
 def place(field: Board, name: str) -> CellIndex:
     return right_place(
-        field.i(name), field.pieces, field.memory, field.plans, field.rules, field.cells, field.los, field.eta
+        field.i(name),
+        field.pieces,
+        field.memory,
+        field.missions,
+        field.rules,
+        field.cells,
+        field.los,
+        field.eta,
     )
 
 
 def answer(field: Board, name: str) -> int:
     return heuristic_direction(
-        field.i(name), field.pieces, field.memory, field.plans, field.rules, field.cells, field.los, field.eta
+        field.i(name),
+        field.pieces,
+        field.memory,
+        field.missions,
+        field.rules,
+        field.cells,
+        field.los,
+        field.eta,
     )
 
 
@@ -91,9 +105,9 @@ def test_hold_hide_drop_are_done_at_their_cell(field: Board) -> None:
 
 def test_the_answer_is_the_first_hop_and_0_at_the_place(field: Board) -> None:
     field.put("tank0", field.cell(19, 10))
-    plan = field.task("tank0", K.HOLD, cell=field.cell(20, 10))
+    mission = field.task("tank0", K.HOLD, cell=field.cell(20, 10))
     assert answer(field, "tank0") == E + 1
-    assert plan.goal == field.cell(20, 10)
+    assert mission.goal == field.cell(20, 10)
     field.put("tank0", field.cell(20, 10))
     assert answer(field, "tank0") == 0
 
@@ -142,11 +156,11 @@ def test_guiding_is_done_from_where_the_piece_itself_sees_the_target(field: Boar
 
 def test_a_shadow_stays_once_it_sees_its_target(field: Board) -> None:
     j = meet(field, 20)
-    plan = field.task("tank0", K.SHADOW, target=j)
+    mission = field.task("tank0", K.SHADOW, target=j)
     assert answer(field, "tank0") == 0
     field.put("tank0", field.cell(1, 20))
     field.pieces[0].sees = 0
-    plan.goal = field.cell(8, 2)
+    mission.goal = field.cell(8, 2)
     assert place(field, "tank0") == field.cell(8, 2)  # a place that still serves is kept
 
 

@@ -29,17 +29,17 @@ def mirror(board: Board) -> None:
         rows[:] = (rows[:, ::-1] if name == "memory" else rows)[
             ..., SWAPPED, *[slice(None)] * (name == "paths")
         ]
-    board.plans[:] = board.plans[SWAPPED]
+    board.missions[:] = board.missions[SWAPPED]
     state.paths[:] = TURN[np.minimum(state.paths, 5)]
     state.pieces.camp[:] = 1 - state.pieces.camp
     state.pieces.sees[:] = (state.pieces.sees >> N) | ((state.pieces.sees & (2**N - 1)) << N)
     for link in ("home", "carrier", "passenger", "board_partner"):
         swap_index(state.pieces[link])
-    swap_index(board.plans["target"])
+    swap_index(board.missions["target"])
     for rows, fields in (
         (state.pieces, ("cell",)),
         (state.memory, ("cell", "next_cell")),
-        (board.plans, ("cell", "goal")),
+        (board.missions, ("cell", "goal")),
         (state.games, ("point_cell", "fight_cell")),
         (state.rounds, ("cell", "impact")),
     ):

@@ -23,7 +23,15 @@ def order(field: Board, name: str, answer: int) -> Action:
     i = field.i(name)
     field.orders.kind = Action.NULL
     given = phi(
-        i, answer, field.game, field.pieces, field.memory, field.orders, field.plans, field.rules, field.cells
+        i,
+        answer,
+        field.game,
+        field.pieces,
+        field.memory,
+        field.orders,
+        field.missions,
+        field.rules,
+        field.cells,
     )
     assert given == (field.orders[i].kind != Action.NULL)
     return Action(field.orders[i].kind)

@@ -26,7 +26,7 @@ for decision in range(5):
         for value in board.observation(camp).values():
             digest.update(value.tobytes())
     board.play(75, sticky_choice(9))
-    digest.update(board.pieces.tobytes() + board.plans.tobytes() + board.memory.tobytes())
+    digest.update(board.pieces.tobytes() + board.missions.tobytes() + board.memory.tobytes())
 print(digest.hexdigest(), board.actions[Action.SHOOT])
 """
 
