@@ -7,7 +7,7 @@ JOBS ?= 2
 # One thread a process: torch and numpy gain nothing from more, and the tests run side by side.
 export OMP_NUM_THREADS ?= 1
 
-.PHONY: setup links train test test-slow unit lint type layers bench docs examples
+.PHONY: setup links train test test-slow unit lint type layers bench docs examples notebooks
 
 setup: links $(STAMP)
 
@@ -57,3 +57,7 @@ docs: setup
 
 examples: setup
 	$(BIN)/python -m pytest -q tests/examples
+
+# Runs the notebooks and writes their outputs into them; `make examples` compares.
+notebooks: setup
+	$(BIN)/python -m tests.examples.notebooks

@@ -14,6 +14,8 @@ from hexwar_sb3.files import replacing
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
+DARK = 0.12  # win rate from which on, and below, a field is too dark for black figures
+
 
 def draw_tournament(table: Table, names: list[str], path: Path) -> None:
     """Write heat maps, one a map, and the ratings.
@@ -46,7 +48,9 @@ def _draw_map(axes: Axes, table: Table, names: list[str], scenario: str) -> None
             row = table.rows.get(Meeting(red=red, blue=blue, scenario=scenario))
             if row is not None:
                 rates[i, j] = row["red"]["win_rate"]
-                axes.text(j, i, f"{100 * rates[i, j]:.0f}", ha="center", va="center", fontsize="small")
+                text = f"{100 * rates[i, j]:.0f}"
+                ink = "black" if DARK < rates[i, j] < 1.0 - DARK else "white"
+                axes.text(j, i, text, color=ink, ha="center", va="center", fontsize="small")
     axes.imshow(rates, cmap="RdBu_r", vmin=0.0, vmax=1.0, alpha=0.75)
     axes.set_xticks(range(len(names)), names, rotation=45, ha="right")
     axes.set_yticks(range(len(names)), names)
