@@ -34,7 +34,7 @@ class SelfPlay:
     iterations: int = 10  # of training, round robin and selection
     keep: int = 4  # models of each colour that are kept; keep * keep groups train
     split: bool = False  # red and blue models of their own, as in the paper; else each plays both camps
-    games: int = 1_000  # that each model of a group learns from
+    games: int = 800  # that each model of a group learns from
     match_games: int = 40  # of each pairing in the round robin
     warm_up_games: int = 200  # of each model to begin with against each opponent, to order them
     # bots and HRL0, NAME or NAME=WEIGHT, met in training and in the round robin; else those of `hexwar train`

@@ -5,7 +5,6 @@ from __future__ import annotations
 from hexwar_sb3.engine.codes import Code, Event
 from hexwar_sb3.engine.dice import priority
 from hexwar_sb3.engine.events import note
-from hexwar_sb3.engine.fire import resolve_shot
 from hexwar_sb3.engine.legality import order_code, point_at
 from hexwar_sb3.engine.mortar import launch
 from hexwar_sb3.engine.movement import begin_move, begin_stop
@@ -72,24 +71,6 @@ def partner_code(i: PieceIndex, game: GameRecord, pieces: Pieces, orders: Orders
         if priority(game, game.tick, pieces[j]) < priority(game, game.tick, pieces[i]):
             return Code.CONFLICT
     return Code.OK
-
-
-@kernel
-def fire_orders(
-    game: GameRecord, pieces: Pieces, orders: Orders, log: Log, rules: RulesRecord, cells: Cells
-) -> None:
-    """Throw the dice of every shot that was ordered; nothing changes but the collected results."""
-    for i in piece_range(orders.size):
-        order = orders[i]
-        if order.code != Code.OK:
-            continue
-        if order.kind == Action.SHOOT:
-            resolve_shot(Event.SHOT, i, i, order.target, order.weapon, False, game, pieces, log, rules, cells)
-        elif order.kind == Action.GUIDE_SHOOT:
-            resolve_shot(
-                Event.GUIDED, i, order.partner, order.target, Weapon.HEAVY, False, game, pieces, log,
-                rules, cells,
-            )  # fmt: skip
 
 
 @kernel

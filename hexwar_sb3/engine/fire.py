@@ -6,16 +6,17 @@ pieces' scratch fields and applied together (`apply_results`), so nobody fires f
 
 from __future__ import annotations
 
+from hexwar_sb3.engine.codes import Code, Event
 from hexwar_sb3.engine.dice import die, two_dice
 from hexwar_sb3.engine.events import note, note_shot
 from hexwar_sb3.engine.pieces import count_in, in_motion, is_ground, target_class
-from hexwar_sb3.engine.records import GameRecord, Log, PieceRecord, Pieces
+from hexwar_sb3.engine.records import GameRecord, Log, Orders, PieceRecord, Pieces
 from hexwar_sb3.kernels import kernel
 from hexwar_sb3.maps.cells import Cells
 from hexwar_sb3.maps.geometry import cells_apart
 from hexwar_sb3.rules.compiled import NO_EFFECT, RulesRecord
-from hexwar_sb3.rules.enums import Dice, TargetClass, Weapon
-from hexwar_sb3.rules.indices import CellIndex, PieceIndex
+from hexwar_sb3.rules.enums import Action, Dice, TargetClass, Weapon
+from hexwar_sb3.rules.indices import CellIndex, PieceIndex, piece_range
 
 
 @kernel
@@ -152,3 +153,21 @@ def resolve_shot(
     note(game, log, event, actor, t, target.cell, s)
     apart = cells_apart(cells, shooter.cell, target.cell)
     note_shot(game, log, weapon, level, roll, raw, roll2, mods, corr, result, apart)
+
+
+@kernel
+def fire_orders(
+    game: GameRecord, pieces: Pieces, orders: Orders, log: Log, rules: RulesRecord, cells: Cells
+) -> None:
+    """Throw the dice of every shot that was ordered; nothing changes but the collected results."""
+    for i in piece_range(orders.size):
+        order = orders[i]
+        if order.code != Code.OK:
+            continue
+        if order.kind == Action.SHOOT:
+            resolve_shot(Event.SHOT, i, i, order.target, order.weapon, False, game, pieces, log, rules, cells)
+        elif order.kind == Action.GUIDE_SHOOT:
+            resolve_shot(
+                Event.GUIDED, i, order.partner, order.target, Weapon.HEAVY, False, game, pieces, log,
+                rules, cells,
+            )  # fmt: skip

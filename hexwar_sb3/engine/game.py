@@ -20,7 +20,7 @@ from hexwar_sb3.engine.records import ORDER
 from hexwar_sb3.engine.roster import SIDES, Roster, camp_name, parse_camp
 from hexwar_sb3.engine.score import margin
 from hexwar_sb3.engine.state import State, new_state, reset_game
-from hexwar_sb3.engine.step import advance, next_due
+from hexwar_sb3.engine.step import next_due, process, set_tick
 from hexwar_sb3.engine.text import parse_board, print_game
 from hexwar_sb3.engine.view import SideView, side_view
 from hexwar_sb3.engine.world import load_world
@@ -174,24 +174,17 @@ class Game:
             ConfigError: not a whole number, or below 0: time does not run backwards.
         """
         until = min(self.tick + check_whole("ticks", ticks, least=0), int(self._row.end_tick))
-        events: list[GameEvent] = []
+        rows, tables, events = self.state.game(0), self.world.tables, list[GameEvent]()
         while self.tick < until and not self.over:
-            events += self._next_step(until)
+            if not self._given:  # jump to the next step that matters
+                due = int(next_due(self._row, self.pieces, self.state.rounds[0]))
+                set_tick(self._row, min(due, until), self.pieces)
+            if self.tick < until:
+                self.recorder.before_step(self.state, 0, self._given)
+                process(*rows, *tables)
+                events += self.recorder.after_step(self.state, 0)
+                self._given = {}
         self.recorder.note_states(self.state, 0, self.tick)
-        return events
-
-    def _next_step(self, until: int) -> list[GameEvent]:
-        """Jump to the next step that matters, at most to `until`, and make it."""
-        rows, tables = self.state.game(0), self.world.tables
-        due = next_due(self._row, self.pieces, self.state.rounds[0])
-        start = self.tick if self._given else min(int(due), until)
-        advance(start, *rows, *tables)
-        if start == until:
-            return []
-        self.recorder.before_step(self.state, 0, self._given)
-        advance(start + 1, *rows, *tables)
-        events = self.recorder.after_step(self.state, 0)
-        self._given = {}
         return events
 
     # --- what a camp may know --------------------------------------------------------------------

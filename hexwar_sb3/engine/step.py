@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from hexwar_sb3.engine.actions import fire_orders, judge_orders, occupy, start_orders
+from hexwar_sb3.engine.actions import judge_orders, occupy, start_orders
 from hexwar_sb3.engine.fights import (
     close_fights,
     fire_exchanges,
@@ -17,6 +17,7 @@ from hexwar_sb3.engine.fights import (
     open_fights,
     spend_close_rounds,
 )
+from hexwar_sb3.engine.fire import fire_orders
 from hexwar_sb3.engine.harm import apply_results
 from hexwar_sb3.engine.mortar import cancel_rounds, judge_entering, land_rounds
 from hexwar_sb3.engine.movement import arrive, start_hops

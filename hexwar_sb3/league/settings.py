@@ -69,7 +69,7 @@ class LeagueSettings:
     iterations: int = 10
     keep: int = 4  # models of each colour that an iteration keeps; keep * keep groups train
     split: bool = False  # red and blue models of their own, as in the paper; else each plays both camps
-    games: int = 1_000  # that each model of a group learns from
+    games: int = 800  # that each model of a group learns from
     partner_share: float = 0.05  # of the weights, for the partner of the group
     past_share: float = 0.05  # for the best of the iterations before; priorities double both
     opponents: tuple[str, ...] = OPPONENTS  # bots and HRL0, NAME or NAME=WEIGHT; for them the rest
@@ -77,8 +77,8 @@ class LeagueSettings:
         0.5  # of a model's score that selects: the opponent of these that it does worst against
     )
     priority: float = 1.0  # exponent by which those who beat the model are met more often
-    fill_games: int = 500  # at first, from which nothing learns: they fill its replay
-    refit_games: int = 125  # after them, in which the mixer alone learns
+    fill_games: int = 400  # at first, from which nothing learns: they fill its replay
+    refit_games: int = 100  # after them, in which the mixer alone learns
     match_games: int = 40  # of each pairing in the round robin that selects
     warm_up_games: int = 200  # against each opponent, to order the first models
     scenario: str = "plain"

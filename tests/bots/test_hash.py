@@ -1,4 +1,7 @@
-"""The hash of the scripted players names what they do: a comment changes nothing, another move does."""
+"""The hash of the scripted players names what they do: a comment changes nothing, another move does.
+
+`python tests/bots/test_hash.py` prints the digests that `hexwar_sb3/bots/config.py` records.
+"""
 
 from __future__ import annotations
 
@@ -27,9 +30,13 @@ def digest_of(players: list[str]) -> str:
     return digest.hexdigest()[:16]
 
 
+def digests() -> tuple[str, str]:
+    """Of the players one by one, and of the families."""
+    return digest_of([name for name in BOTS if name not in FAMILIES]), digest_of(list(FAMILIES))
+
+
 def test_the_players_do_what_their_hash_says() -> None:
-    assert digest_of([name for name in BOTS if name not in FAMILIES]) == GAMES
-    assert digest_of(list(FAMILIES)) == DRAWN_GAMES
+    assert digests() == (GAMES, DRAWN_GAMES)
 
 
 def test_version_1_keeps_the_hash_under_which_its_results_were_published(
@@ -41,3 +48,7 @@ def test_version_1_keeps_the_hash_under_which_its_results_were_published(
     monkeypatch.setattr(config, "DRAWN_GAMES", "another behaviour")
     assert bots_hash() != "7f6e55ae39a679b8"
     assert drawn_hash() != drawn
+
+
+if __name__ == "__main__":
+    print("GAMES, DRAWN_GAMES =", digests())  # noqa: T201  # for who runs it
