@@ -7,7 +7,7 @@ JOBS ?= 2
 # One thread a process: torch and numpy gain nothing from more, and the tests run side by side.
 export OMP_NUM_THREADS ?= 1
 
-.PHONY: setup links train test test-slow unit lint type layers bench docs examples notebooks
+.PHONY: setup links train test test-slow unit lint type layers bench docs site examples notebooks
 
 setup: links $(STAMP)
 
@@ -33,7 +33,7 @@ unit: setup
 	$(BIN)/python -m pytest -n $(JOBS) -m "not slow"
 
 test-slow: lint type layers
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e ".[ray]"
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e ".[docs,ray]"
 	$(BIN)/python -m pytest -n $(JOBS)
 
 lint: setup
@@ -54,6 +54,12 @@ docs: setup
 	printf '# Features\n\nMade by `make docs` from the table in hexwar_sb3/tasks/features.py.\n\n' > docs/features.md
 	$(BIN)/python -c "from hexwar_sb3.tasks.features import markdown; print(markdown(), end='')" >> docs/features.md
 	$(BIN)/python -c "import pathlib; from hexwar_sb3.rules.page import filled; page = pathlib.Path('docs/rules.md'); page.write_text(filled(page.read_text('utf-8')), 'utf-8')"
+
+# The guide, the notebooks as they were committed, and the public names, into site/; what is broken or undocumented ends it.
+site: setup
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e ".[docs]"
+	rm -rf site
+	$(BIN)/python -m sphinx -q -E -W --keep-going -c docs -d build/doctrees . site
 
 examples: setup
 	$(BIN)/python -m pytest -q tests/examples

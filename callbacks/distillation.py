@@ -27,7 +27,11 @@ class DistillationCallback(BaseCallback):
         refit_games: games in which the mixer alone learns after it, so that the model's values fit its new choices.
 
     Example:
-        >>> model.learn(24_000, callback=DistillationCallback([first, second]))
+        >>> from hexwar_sb3.league import Lessons
+        >>> from hexwar_sb3.players import make_player
+        >>> model = QMIX("TaskPolicy", make_vec_env(side="both", privileged_state=True), seed=0)
+        >>> teach = DistillationCallback([make_player("HRL0")], Lessons(games=1, updates=1))
+        >>> _ = model.learn(24, callback=teach)
     """
 
     def __init__(

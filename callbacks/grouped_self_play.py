@@ -43,8 +43,10 @@ class GroupedSelfPlayCallback(BaseCallback):
         BusyError: another process works on the league (from `learn`).
 
     Example:
-        >>> model.learn(240_000)
-        >>> model.learn(1, callback=GroupedSelfPlayCallback(Path("league")), reset_num_timesteps=False)
+        >>> from hexwar_sb3.league import LeagueSettings
+        >>> callback = GroupedSelfPlayCallback("league", LeagueSettings(iterations=2))
+
+        `model.learn(1, callback=callback, reset_num_timesteps=False)` plays the league; then `callback.champions` are there.
     """
 
     def __init__(

@@ -32,14 +32,19 @@ class SelfPlayCallback(EverySteps):
         folder: keeps the pool of a QMIX, so that a resumed training goes on with it; None keeps none.
 
     Example:
-        >>> model.learn(240_000, callback=SelfPlayCallback(every=24_000, others=["MA1", "MA2"], share=0.5))
+        >>> from pathlib import Path
+        >>> from hexwar_sb3.algorithms import load_checkpoint, save_checkpoint
+        >>> env = make_vec_env(side="both", seed=0)
+        >>> pool = SelfPlayCallback(every=24, others=["MA1", "MA2"], share=0.5, folder=Path("pool"))
+        >>> model = QMIX("TaskPolicy", env, seed=0).learn(48, callback=pool)
+        >>> save_checkpoint(model, "checkpoint.npz")
 
         From a checkpoint, with the games that were running:
 
-        >>> callback = SelfPlayCallback(every=24_000, folder=Path("pool"))
-        >>> callback.seat(env)
+        >>> pool = SelfPlayCallback(every=24, others=["MA1", "MA2"], share=0.5, folder=Path("pool"))
+        >>> pool.seat(env)
         >>> model = load_checkpoint("checkpoint.npz", env)
-        >>> model.learn(240_000, callback=callback, reset_num_timesteps=False)
+        >>> _ = model.learn(48, callback=pool, reset_num_timesteps=False)
     """
 
     def __init__(

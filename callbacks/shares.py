@@ -19,7 +19,7 @@ class ShareOfGames(BaseCallback):
         share_at: finished games -> share, 0..1.
 
     Example:
-        >>> ShareOfGames("set_warm_start", lambda games: max(0.0, 1 - games / 5000))
+        >>> callback = ShareOfGames("set_warm_start", lambda games: max(0.0, 1 - games / 5000))
     """
 
     def __init__(self, method: str, share_at: Callable[[int], float]) -> None:

@@ -28,11 +28,15 @@ class TrialEvalCallback(EvalCallback):
         kwargs: further arguments of `EvalCallback`: n_eval_episodes, eval_freq (calls, each of which steps all envs), ...
 
     Example:
-        >>> callback = TrialEvalCallback(eval_env, trial, eval_freq=1_000)
-        >>> model.learn(100_000, callback=callback)
-        >>> if callback.is_pruned:
-        ...     raise optuna.TrialPruned
-        >>> return callback.last_mean_reward
+        >>> import optuna
+        >>> def objective(trial):
+        ...     model = QMIX("TaskPolicy", make_vec_env(), gamma=trial.suggest_float("gamma", 0.9, 1.0))
+        ...     callback = TrialEvalCallback(make_vec_env(), trial, eval_freq=24, n_eval_episodes=1)
+        ...     model.learn(24, callback=callback)
+        ...     if callback.is_pruned:
+        ...         raise optuna.TrialPruned
+        ...     return callback.last_mean_reward
+        >>> optuna.create_study(direction="maximize").optimize(objective, n_trials=1)
     """
 
     def __init__(self, eval_env: Any, trial: Reports, **kwargs: Any) -> None:

@@ -32,8 +32,10 @@ def replacing(path: Path) -> Iterator[Path]:
         OSError: it cannot be written, or lies in a folder that this process holds and that was removed meanwhile.
 
     Example:
+        >>> from pathlib import Path
         >>> with replacing(Path("config.json")) as temporary:
         ...     temporary.write_text("{}")
+        2
     """
     check_held(path.parent)
     path.parent.mkdir(parents=True, exist_ok=True)

@@ -76,7 +76,8 @@ def under(prefix: str, arrays: Mapping[str, NDArray[Any]]) -> Arrays:
     """Put every name under a prefix.
 
     Example:
-        >>> list(under("games", {"tick": tick}))
+        >>> import numpy as np
+        >>> list(under("games", {"tick": np.zeros(1)}))
         ['games/tick']
     """
     return {f"{prefix}/{name}": array for name, array in arrays.items()}

@@ -62,6 +62,11 @@ def load_preset(name: str) -> Preset:
     Raises:
         UnknownNameError: there is neither.
         FileFormatError: the file is broken.
+
+    Example:
+        >>> preset = load_preset("paper").changed({"decision_ticks": 150})
+        >>> preset.decision_ticks, preset.learner["n_steps"]
+        (150, 1)
     """
     if name in PRESETS:
         return PRESETS[name]

@@ -160,3 +160,4 @@ PRESETS = {
         },
     ),
 }
+"""Presets by name: "default" is what `hexwar train` takes, "paper" the numbers of section IV."""

@@ -143,7 +143,7 @@ class TaskModel(PlainZip):
             ConfigError: nobody leads pieces there.
 
         Example:
-            >>> model = HierarchicalQMIX.load("model.zip")
+            >>> model = HierarchicalQMIX("HierarchicalPolicy", make_vec_env())  # or HierarchicalQMIX.load("model.zip")
             >>> env = model.lead(make_vec_env(opponent="MA1"))
         """
         if isinstance(env, VecEnv) and env.has_attr("lower_level"):

@@ -31,6 +31,8 @@ class Engine:
         >>> engine.reset(range(16))
         >>> engine.submit(3, "red", [Move("tank0", ["1134"])])
         >>> engine.advance(75)
+        >>> engine.margins("red")[:4]
+        array([-130, -130, -130, -130])
     """
 
     def __init__(

@@ -53,6 +53,8 @@ class Game:
         >>> game.submit("red", "tank0 move 1134 1234")
         [None]
         >>> events = game.advance(75)
+        >>> game
+        <Game 'plain', seed 0: tick 75 of 1800, margin red -130, blue -130>
     """
 
     def __init__(
@@ -133,8 +135,9 @@ class Game:
             OrderError, UnknownNameError: an order that cannot be read or (`strict`) is illegal; then none is taken.
 
         Example:
-            >>> game.submit("red", "tank0 move 1134 1234; chariot0 hide", strict=False)
-            [None, "red chariot0 is moving; ..."]
+            >>> game = Game("plain", seed=0)
+            >>> game.submit("red", "tank0 move 1134 1234; chariot0 occupy", strict=False)
+            [None, 'red chariot0 stands in 1037, which is no control point; it must stand in one to occupy it']
         """
         side = parse_camp(camp)
         batch = list(_read(orders))

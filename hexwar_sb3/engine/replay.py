@@ -64,6 +64,7 @@ class Replay:
         ReplayFileError: a line has other keys or values than `replay_lines.LINES` says, or there are too many.
 
     Example:
+        >>> game = Game("plain", seed=0)
         >>> Replay.of(game).save("game.hwr")
         >>> Replay.load("game.hwr").verify()
     """

@@ -151,7 +151,15 @@ class RoundView:
 
 @dataclass(frozen=True, kw_only=True)
 class SideView:
-    """All that one camp may know in one state; equal knowledge gives equal views."""
+    """All that one camp may know in one state; equal knowledge gives equal views.
+
+    Example:
+        >>> view = Game("plain", seed=0).view("red")
+        >>> print(view.piece("tank0"))
+        tank0 1135, blood 3, settled; 30 GUN, 30 LIGHT
+        >>> view.seen  # no enemy yet
+        ()
+    """
 
     camp: str
     tick: int

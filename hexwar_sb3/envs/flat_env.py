@@ -39,6 +39,7 @@ class FlatEnv(gymnasium.Env[NDArray[Any], np.int64]):
         ConfigError: a setting is out of its range, or the flat env cannot have it.
 
     Example:
+        >>> from stable_baselines3 import DQN
         >>> env = FlatEnv(scenario="plain", opponent="MA2")
         >>> model = DQN("MlpPolicy", env, gamma=0.99 ** (1 / 7), buffer_size=20_000)
     """

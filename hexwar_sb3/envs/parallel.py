@@ -214,5 +214,7 @@ def parallel_env(scenario: Any = "plain", camps: str = "both", **settings: Any) 
     Example:
         >>> env = parallel_env("plain", camps="red", opponent="MA2")
         >>> observations, infos = env.reset(seed=0)
+        >>> list(observations)[:2]
+        ['red:tank0', 'red:tank1']
     """
     return TaskParallelEnv(task_settings({"scenario": scenario, **settings}), camps)

@@ -72,6 +72,8 @@ def make_vec_env(
 
     Example:
         >>> env = make_vec_env("HexWarTask-v0", n_envs=16, opponent=[("MA1", 2), ("MA2", 1)])
+        >>> env.reset()["action_mask"].shape  # games, pieces, tasks
+        (16, 7, 40)
     """
     # numba and torch: only where they are needed, `import hexwar_sb3` registers without them
     from stable_baselines3.common.vec_env import VecMonitor

@@ -35,6 +35,8 @@ class RouteEnv(gymnasium.Env[Obs, np.int64]):
     Example:
         >>> env = RouteEnv(scenario="hills", upper="random")
         >>> obs, info = env.reset(seed=0)
+        >>> obs["action_mask"]  # perform the task here, or go W SW SE E NE NW
+        array([0, 1, 1, 1, 1, 1, 1], dtype=int8)
     """
 
     metadata: dict[str, Any] = {"render_modes": ["rgb_array"], "render_fps": 4}  # noqa: RUF012  (Gymnasium declares it so)

@@ -33,6 +33,10 @@ class TaskEnv(gymnasium.Env[Obs, NDArray[np.int64]]):
     Example:
         >>> env = TaskEnv(scenario="plain", opponent="MA2")
         >>> obs, info = env.reset(seed=0)
+        >>> first_valid = obs["action_mask"].argmax(axis=-1)  # a task for each of seven pieces
+        >>> obs, reward, terminated, truncated, info = env.step(first_valid)
+        >>> info["ticks"]
+        75
     """
 
     metadata: dict[str, Any] = {"render_modes": ["rgb_array"], "render_fps": 4}  # noqa: RUF012  (Gymnasium declares it so)

@@ -40,6 +40,10 @@ def wilson(successes: float, trials: float, confidence: float = CONFIDENCE) -> E
         successes: number of successes in 0..trials; a draw counts one half.
         trials: number of trials, perhaps an effective one; 0 gives the interval 0..1.
         confidence: probability that the interval covers the true share.
+
+    Example:
+        >>> wilson(83, 100).percent()
+        '83.0 % [74.5, 89.1]'
     """
     if trials == 0:
         return Estimate(0.5, 0.0, 1.0)

@@ -138,7 +138,11 @@ def play_match(
         ConfigError: a number is out of range, an object cannot play, or a player does not fit the scenario.
 
     Example:
-        >>> play_match("MA1", "MA2", games=100, scenario="hills").win_rate
+        >>> result = play_match("MA1", "MA2", games=20, scenario="hills")
+        >>> result.win_rate.percent()
+        '60.0 % [38.7, 78.1]'
+        >>> result.wins, result.draws, result.losses  # red's
+        (12, 0, 8)
     """
     how = Evaluation(terms=checked_settings(Terms, terms), games=games, seed=seed)
     return how.play(red, blue, progress=progress)

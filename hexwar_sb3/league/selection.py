@@ -119,8 +119,9 @@ def select(rows: Mapping[str, Sequence[Standing]], keep: int, *, split: bool) ->
         split: each colour has models of its own; else the mean of both colours counts.
 
     Example:
-        >>> select(rows, keep=4, split=True)["red"]
-        ['3-r0b2', '3-r1b2', '3-r0b0', '3-r3b2']
+        >>> red = [{"name": name, "win_rate": rate, "mean_margin": 0.0} for name, rate in [("a", 0.4), ("b", 0.6)]]
+        >>> select({"red": red, "blue": red}, keep=4, split=True)["red"]
+        ['b', 'a', 'b', 'a']
     """
     kept: dict[str, list[str]] = {}
     for camp in CAMPS:

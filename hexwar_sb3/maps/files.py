@@ -40,7 +40,7 @@ def builtin_names() -> list[str]:
 
 
 def load_map(name_or_path: str | Path) -> HexMap:
-    """A built-in map by its name, one like it by "NAME@SEED", or a map file by its path, which ends in ".json".
+    """A built-in map by its name, one like it by `NAME@SEED`, or a map file by its path, which ends in ".json".
 
     Raises:
         UnknownNameError: no built-in map has this name.
@@ -54,7 +54,7 @@ def load_map(name_or_path: str | Path) -> HexMap:
 
 
 def load_scenario(name_or_path: str | Path) -> Scenario:
-    """A built-in scenario by its name, one like it by "NAME@SEED", or a scenario file by its path ending in ".json".
+    """A built-in scenario by its name, one like it by `NAME@SEED`, or a scenario file by its path ending in ".json".
 
     The map that a file names is a built-in one or a file in the same folder.
 
@@ -62,6 +62,10 @@ def load_scenario(name_or_path: str | Path) -> Scenario:
         UnknownNameError: no built-in scenario has this name.
         ScenarioFileError: the file cannot be used; it says where and why.
         MapFileError: the same of its map.
+
+    Example:
+        >>> load_scenario("hills@7").hexmap.is_symmetric()
+        True
     """
     if _LIKE.fullmatch(str(name_or_path)):
         return standard_scenario(load_map(name_or_path))

@@ -35,6 +35,11 @@ def record_game(
         terms: of the game.
         seed: of the match.
         episode: number of the game.
+
+    Example:
+        >>> replay = record_game("MA1", "MA2", Terms(scenario="hills"))
+        >>> replay.verify()  # plays it again: the same, line by line
+        >>> replay.save("game.hwr")
     """
     world = load_world(terms.scenario)
     arena = Arena(world, 1, terms)

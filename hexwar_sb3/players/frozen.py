@@ -45,6 +45,12 @@ class FrozenPolicy:
         n_tasks: rows of a task set.
         about: what it was trained on: rules (hash), scenario, command, and so on.
         lower: who leads its pieces on their way: "heuristic", a `FrozenLower`, or a callable (not saved).
+
+    Example:
+        >>> policy = make_player("HRL0")  # or FrozenPolicy.load("runs/commander_1/policy")
+        >>> policy.led_by("heuristic").save("mine")
+        >>> FrozenPolicy.load("mine").sha256 == policy.sha256
+        False
     """
 
     def __init__(

@@ -32,7 +32,13 @@ def check_scenario(scenario: object) -> None:
 
 @dataclass(frozen=True, kw_only=True)
 class Terms:
-    """Where games are played, and when and among which tasks policies decide; bots have their own ways."""
+    """Where games are played, and when and among which tasks policies decide; bots have their own ways.
+
+    Example:
+        >>> terms = Terms(scenario="hills", decision_ticks=150)
+        >>> terms.env_steps(games=10)
+        120
+    """
 
     scenario: ScenarioLike = "plain"  # name, file or object
     decision_ticks: int = DECISION_TICKS  # Delta-t, ticks between two decisions of a policy

@@ -50,9 +50,10 @@ class VisitCount:
     """Visits in the games of one map (III-C, "Preprocessing").
 
     Example:
+        >>> from hexwar_sb3.play import record_game
         >>> count = VisitCount()
-        >>> count.add(Replay.load("game.hwr"))
-        >>> hot_spots(count.world, count.visits, source="one game").save("plain.json")
+        >>> count.add(record_game("MA1", "MA2"))
+        >>> hot_spots(count.world, count.visits, k=3, source="one game").save("plain.json")
     """
 
     def __init__(self) -> None:
