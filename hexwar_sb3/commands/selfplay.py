@@ -32,14 +32,14 @@ class SelfPlay:
     ] = ()
     output: Path = Path("league")  # folder of the league
     iterations: int = 10  # of training, round robin and selection
-    keep: int = 4  # models of each colour that are kept; keep * keep groups train
+    keep: int = 4  # models that are kept, each of which trains; if split, of each colour, and all pairs train
     split: bool = False  # red and blue models of their own, as in the paper; else each plays both camps
-    games: int = 800  # that each model of a group learns from
-    match_games: int = 40  # of each pairing in the round robin
+    games: int = 3_200  # that each model of a group learns from
+    match_games: int = 60  # of each pairing in the round robin
     warm_up_games: int = 200  # of each model to begin with against each opponent, to order them
     # bots and HRL0, NAME or NAME=WEIGHT, met in training and in the round robin; else those of `hexwar train`
     opponents: tuple[str, ...] | None = None
-    partner_share: float = 0.05  # of the weights, for the partner of the group
+    partner_share: float = 0.05  # of the weights, for the partners
     past_share: float = 0.05  # for the best of the iterations before
     # exponent by which those who beat the model are met more often; 0: by their weights alone
     priority: float = 1.0

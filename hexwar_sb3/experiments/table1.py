@@ -139,7 +139,13 @@ class Table1:
         if not folder.exists() and kept.exists():
             with making(folder) as made:
                 shutil.copytree(kept, made, dirs_exist_ok=True)
-        starters = {run.name: self.places.kept(run).policy for run in self.starters()}
+        found = {
+            run: self.places.folder(run) for run in self.starters()
+        }  # with what learns on, where they are still there
+        starters = {
+            run.name: folder / "policy" if folder else self.places.kept(run).policy
+            for run, folder in found.items()
+        }
         return League.create(folder, self.settings, starters)
 
     def _after(self, league: League, k: int, say: Say) -> None:

@@ -27,21 +27,21 @@ class Agenda(LeagueFolder):
         others = {camp: self.others(k, camp) for camp in CAMPS}
         return [
             GroupSpec(
-                members={"red": kept["red"][i], "blue": kept["blue"][j]},
+                members={camp: kept[camp][places[n % len(places)]] for n, camp in enumerate(CAMPS)},
+                partners=() if settings.split else tuple(kept["red"]),
                 others=others,
                 partner_share=settings.partner_share,
                 split=settings.split,
                 games=settings.games,
                 fill_games=settings.fill_games,
                 refit_games=settings.refit_games,
-                seed=(settings.seed, k, i, j),
-                folder=self.group(k, group_name(k, i, j)),
+                seed=(settings.seed, k, *places),
+                folder=self.group(k, group_name(k, *places)),
                 env=self.env(),
                 learner=self.learner(settings.games),
                 about=self.terms.about(),
             )
-            for i in range(settings.keep)
-            for j in range(settings.keep)
+            for places in self.groups
         ]
 
     def learner(self, games: int) -> dict[str, Any]:
@@ -83,7 +83,7 @@ class Agenda(LeagueFolder):
     @property
     def env_steps(self) -> int:
         """Env steps of all groups together, mixers that were refitted apart."""
-        groups = self.settings.keep**2 * self.settings.iterations
+        groups = len(self.groups) * self.settings.iterations
         return (1 + self.settings.split) * groups * env_steps(self.env(), self.settings.games)
 
     def env(self) -> dict[str, Any]:

@@ -2,8 +2,8 @@
 
 * `league.json`: settings, and what the figures depend on.
 * `iteration_00/models/NAME/`: the models that it began with; `iteration_00/table.json`: how they did against their opponents.
-* `iteration_03/groups/3-r0b2/both/`: what iteration 3 made of the best model in the group with the third best; with
-  `split`, `red/` and `blue/`: of the best red model and the third best blue one.
+* `iteration_03/groups/3-m0/both/`: what iteration 3 made of the best model; with `split`, `3-r0b2/red/` and `3-r0b2/blue/`: of
+  the best red model and the third best blue one.
 * `iteration_03/table.json`: the round robin of all of them, who was kept, and whom they come from.
 """
 
@@ -12,6 +12,7 @@ from __future__ import annotations
 import re
 import shutil
 from dataclasses import asdict, dataclass
+from itertools import product
 from pathlib import Path
 from typing import Any, Self
 
@@ -24,7 +25,7 @@ from hexwar_sb3.league.selection import Standing
 from hexwar_sb3.league.settings import LeagueSettings
 from hexwar_sb3.reading import check_names, read_json
 
-FORMAT = "hexwar league 2"
+FORMAT = "hexwar league 3"
 TABLE_KEYS = ("iteration", "kept", "standings", "red_win_rates")  # of an iteration's table
 NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]{0,79}")
 Generation = dict[str, list[Member]]  # by camp, the best first
@@ -157,15 +158,23 @@ class LeagueFolder:
         return rows
 
     def models(self, k: int) -> Generation:
-        """All models of an iteration."""
+        """All models of an iteration: those that it trained, and, where one plays both camps, those they come from."""
         if k == 0:
             return {camp: self.starters(camp) for camp in CAMPS}
-        names = [group_name(k, i, j) for i in range(self.settings.keep) for j in range(self.settings.keep)]
+        names = [group_name(k, *places) for places in self.groups]
         folders = {camp: camp if self.settings.split else BOTH for camp in CAMPS}
-        return {
+        new = {
             camp: [Member(camp, name, self.group(k, name) / folders[camp]) for name in names]
             for camp in CAMPS
         }
+        if self.settings.split:
+            return new
+        return {camp: [*new[camp], *dict.fromkeys(self.kept(k - 1)[camp])] for camp in CAMPS}
+
+    @property
+    def groups(self) -> list[tuple[int, ...]]:
+        """Who trains in an iteration, by their places among those that were kept: each, or every red with every blue one."""
+        return list(product(range(self.settings.keep), repeat=1 + self.settings.split))
 
     def group(self, k: int, name: str) -> Path:
         """Folder of a group of an iteration."""
@@ -193,7 +202,8 @@ class LeagueFolder:
             for members in generation.values():
                 for member in members if k in (0, done[-1]) else members[:1]:
                     place = new / member.folder.relative_to(self.folder)
-                    member.policy().save(place)
+                    if not place.exists():  # else an earlier iteration kept it too
+                        member.policy().save(place)
                     if k == done[-1] and member.networks.is_file():
                         shutil.copyfile(member.networks, place / member.networks.name)
         old = folder.with_name(f".old-{folder.name}")
@@ -209,12 +219,6 @@ def _named(row: object) -> dict[str, Any]:
     return row if isinstance(row, dict) else {}
 
 
-def group_name(k: int, i: int, j: int) -> str:
-    """Name of a group: its iteration, and the places of its red and blue model among those that were kept."""
-    return f"{k}-r{i}b{j}"
-
-
-def parent_of(name: str, camp: str) -> int:
-    """Place of a model's parent among the models of its colour that were kept."""
-    red, _, blue = name.partition("-r")[2].partition("b")
-    return int(red if camp == "red" else blue)
+def group_name(k: int, *places: int) -> str:
+    """Name of a group: its iteration, and the places of its models, or of its red and its blue one, among those kept."""
+    return f"{k}-r{places[0]}b{places[1]}" if len(places) > 1 else f"{k}-m{places[0]}"

@@ -1,4 +1,4 @@
-"""One group of a league: a red and a blue model train against each other and against others (Fig. 6 (b))."""
+"""One group of a league: models train against partners and against others (Fig. 6 (b))."""
 
 from __future__ import annotations
 
@@ -17,12 +17,13 @@ PAIRS = (CAMPS, CAMPS[::-1])  # who learns, and who is met
 class GroupSpec(Training):
     """All that the training of a group depends on; leaves the model of each camp, or of both.
 
-    In a league of models for both camps the red member learns, and the blue one is whom it meets.
+    In a league of models for both camps the red member learns, and all that were kept are its partners.
     """
 
     members: Mapping[str, Member]  # by camp: who trains
+    partners: Sequence[Member]  # of a model for both camps; one of a single camp has the other member
     others: Mapping[str, Opponents]  # by camp: whom the model of that camp meets beside its partner
-    partner_share: float  # of the weights, for the partner
+    partner_share: float  # of the weights, for the partners
     split: bool  # each camp has a model of its own
 
 
@@ -42,7 +43,8 @@ def train_group(spec: GroupSpec) -> None:
         members = dict(spec.members)
         for camp, other in PAIRS if spec.split else PAIRS[:1]:
             side = camp if spec.split else BOTH
-            opponents = with_partner(members[other], spec.partner_share, spec.others[camp])
+            partners = [members[other]] if spec.split else spec.partners
+            opponents = with_partners(partners, spec.partner_share, spec.others[camp])
             env = {**spec.env, "side": side, "opponent": opponents}
             model = begin(members[camp], env, spec.learner, job_seed(*spec.seed, CAMPS.index(camp)))
             go_on(model, spec)
@@ -50,8 +52,11 @@ def train_group(spec: GroupSpec) -> None:
             members[camp] = Member(camp, members[camp].name, made / side)
 
 
-def with_partner(partner: Member, share: float, others: Opponents) -> Sequence[tuple[object, float]]:
-    """Opponents with their weights: the partner and the others."""
+def with_partners(
+    partners: Sequence[Member], share: float, others: Opponents
+) -> Sequence[tuple[object, float]]:
+    """Opponents with their weights: the partners, which have a share together, and the others."""
     total = sum(weight for _, weight in others)
     rest = [(player, (1.0 - share) * weight / total) for player, weight in others]
-    return [(partner.policy(), share if rest else 1.0), *rest]
+    each = (share if rest else 1.0) / len(partners)
+    return [*((partner.policy(), each) for partner in partners), *rest]

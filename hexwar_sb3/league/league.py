@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
+from hexwar_sb3.algorithms.qmix import QMIX
 from hexwar_sb3.envs.registration import TASK_ENV, make_vec_env
 from hexwar_sb3.errors import ConfigError
 from hexwar_sb3.evaluation.jobs import run_jobs
@@ -15,9 +16,9 @@ from hexwar_sb3.files import write_json
 from hexwar_sb3.folders import holding
 from hexwar_sb3.league.agenda import Agenda
 from hexwar_sb3.league.cost import measured
-from hexwar_sb3.league.folder import NAME, parent_of
+from hexwar_sb3.league.folder import NAME, group_name
 from hexwar_sb3.league.group import train_group
-from hexwar_sb3.league.member import BOTH, CAMPS, Member
+from hexwar_sb3.league.member import BOTH, CAMPS, Member, leave_copy
 from hexwar_sb3.league.selection import play_all, select, standings
 from hexwar_sb3.league.settings import LeagueSettings
 from hexwar_sb3.league.work import env_settings
@@ -45,6 +46,7 @@ class League(Agenda):
                 decision ticks, hot spots or decision points.
             UnknownNameError: no such bot or scenario.
             PolicyFileError: a starter is broken.
+            CheckpointError: the model of the run that it comes from is.
             BusyError: another process works on it.
         """
         policies = {name: Member("", name, path).policy() for name, path in starters.items()}
@@ -57,10 +59,21 @@ class League(Agenda):
                 return league.prolonged(settings)
             league = cls(folder, settings)
             shutil.rmtree(league.starters_folder, ignore_errors=True)  # of a beginning that was broken off
+            like = league.new_model(next(iter(policies.values()))).policy
             for name, policy in policies.items():
-                policy.save(league.starters_folder / name)
+                leave_copy(policy, starters[name], league.starters_folder / name, like)
             league.write_head()
             return league
+
+    def new_model(self, policy: FrozenPolicy) -> QMIX:
+        """A model such as the league's, which has learned nothing.
+
+        Args:
+            policy: of the first model, whose terms are the league's.
+        """
+        terms = replace(trained_terms(policy), scenario=self.settings.scenario)
+        env = make_vec_env(TASK_ENV, seed=0, **env_settings(terms, n_envs=1))
+        return QMIX("TaskPolicy", env, seed=0, **{**self.learner(1), "buffer_size": 10})
 
     def prolonged(self, settings: LeagueSettings) -> League:
         """The same league, perhaps with more iterations.
@@ -140,11 +153,12 @@ class League(Agenda):
         table = play_all(reds, blues, how, self.iteration(k) / "matches", rivals=rivals, jobs=jobs)
         rows = {camp: standings(table, camp, rivals, share) for camp in CAMPS}
         before = self.kept(k - 1)
-        for camp in CAMPS:
+        for n, camp in enumerate(CAMPS):
+            parents = {
+                group_name(k, *places): before[camp][places[n % len(places)]] for places in self.groups
+            }
             for row in rows[camp]:
-                row["parent"] = before[camp][
-                    parent_of(row["name"], camp if self.settings.split else "red")
-                ].name
+                row["parent"] = parents[row["name"]].name if row["name"] in parents else row["name"]
         wins = {
             f"{meeting.red} {meeting.blue}": row["red"]["win_rate"] for meeting, row in table.rows.items()
         }

@@ -67,10 +67,12 @@ class LeagueSettings:
     """Grouped self-play as in III-C and IV-A; whom a model meets beside its partner is weighed by its losses."""
 
     iterations: int = 10
-    keep: int = 4  # models of each colour that an iteration keeps; keep * keep groups train
+    keep: int = 4  # models that an iteration keeps, each of which trains; if split, of each colour, and all pairs train
     split: bool = False  # red and blue models of their own, as in the paper; else each plays both camps
-    games: int = 800  # that each model of a group learns from
-    partner_share: float = 0.05  # of the weights, for the partner of the group
+    games: int = 3_200  # that each model of a group learns from
+    partner_share: float = (
+        0.05  # of the weights, for the partners: all that were kept, or the other of the pair
+    )
     past_share: float = 0.05  # for the best of the iterations before; priorities double both
     opponents: tuple[str, ...] = OPPONENTS  # bots and HRL0, NAME or NAME=WEIGHT; for them the rest
     worst_share: float = (
@@ -79,7 +81,7 @@ class LeagueSettings:
     priority: float = 1.0  # exponent by which those who beat the model are met more often
     fill_games: int = 400  # at first, from which nothing learns: they fill its replay
     refit_games: int = 100  # after them, in which the mixer alone learns
-    match_games: int = 40  # of each pairing in the round robin that selects
+    match_games: int = 60  # of each pairing in the round robin that selects
     warm_up_games: int = 200  # against each opponent, to order the first models
     scenario: str = "plain"
     seed: int = 0

@@ -115,7 +115,7 @@ def _rounded(value: Any) -> Any:
 
 
 def league_cases(folder: Path) -> Iterator[Case]:
-    networks = "iteration_01/groups/1-r0b0/both/networks.safetensors"
+    networks = "iteration_01/groups/1-m0/both/networks.safetensors"
     tables = ("iteration_00/table.json", "iteration_01/table.json")
     for file in ("league.json", *tables, "iteration_01/cost.json"):
         yield from of_file(file, json_tricks, folder)

@@ -45,7 +45,7 @@ def test_a_league_is_begun_and_gone_on_with(
     )  # no starters: it has them
     kept = json.loads(capsys.readouterr().out)["kept"]
 
-    assert [Path(path).parent.name for path in kept["red"]] == ["1-r0b0"]
+    assert [Path(path).parent.name for path in kept["red"]] == ["1-m0"]
     assert FrozenPolicy.load(kept["blue"][0]).about["side"] == "both"
     assert run("selfplay", *starters, *FEW, "--split", "--output", str(tmp_path / "split"), "--json") == 0
     kept = json.loads(capsys.readouterr().out)["kept"]

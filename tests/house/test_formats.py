@@ -224,6 +224,8 @@ def test_the_league_is_made_and_opens(folder: Path) -> None:
     (folder / "league" / "league.json").write_text(example("league"))
     league = League.open(folder / "league")
     assert [member.name for member in league.starters("red")] == ["first"]
+    began = {"iteration": 0, "kept": {"red": ["first"], "blue": ["first"]}, "standings": {}}
+    league.table(0).write_text(json.dumps(began))
     league.iteration(1).mkdir()
     league.table(1).write_text(example("league.table"))
     names = {camp: [member.name for member in members] for camp, members in league.kept(1).items()}

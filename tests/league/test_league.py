@@ -14,11 +14,13 @@ import numpy as np
 import pytest
 from safetensors.numpy import load_file
 
+from hexwar_sb3.algorithms.qmix import QMIX
+from hexwar_sb3.envs.registration import make_vec_env
 from hexwar_sb3.errors import CheckpointError, ConfigError, FileFormatError, PolicyFileError, UnknownNameError
 from hexwar_sb3.league import group
-from hexwar_sb3.league.folder import group_name, parent_of
-from hexwar_sb3.league.group import train_group, with_partner
+from hexwar_sb3.league.group import train_group, with_partners
 from hexwar_sb3.league.league import League
+from hexwar_sb3.league.member import as_member
 from hexwar_sb3.league.settings import LeagueSettings
 from hexwar_sb3.league.work import begin
 from hexwar_sb3.players.frozen import FrozenPolicy
@@ -40,12 +42,26 @@ def distinct(league: League, k: int, camp: str) -> set[str]:
     return {member.policy().sha256 for member in league.models(k)[camp]}
 
 
-def test_every_red_model_trains_with_every_blue_one(whole: League) -> None:
-    specs = whole.specs(2)
+def test_every_red_model_trains_with_every_blue_one(split: League) -> None:
+    specs = split.specs(2)
 
     pairs = [(spec.members["red"].name, spec.members["blue"].name) for spec in specs]
-    kept = whole.kept(1)
+    kept = split.kept(1)
     assert pairs == [(red.name, blue.name) for red in kept["red"] for blue in kept["blue"]]
+
+
+def test_a_model_for_both_camps_trains_with_all_that_were_kept(whole: League) -> None:
+    kept = whole.kept(1)["red"]
+
+    assert [spec.members["red"] for spec in whole.specs(2)] == kept
+    assert all(spec.partners == tuple(kept) for spec in whole.specs(2))
+
+
+def test_what_it_comes_from_may_be_kept_again(whole: League) -> None:
+    names = [member.name for member in whole.models(2)["red"]]
+
+    assert names[:2] == ["2-m0", "2-m1"]
+    assert names[2:] == list(dict.fromkeys(member.name for member in whole.kept(1)["red"]))
 
 
 def test_models_meet_their_partner_the_past_and_the_opponents(whole: League) -> None:
@@ -59,14 +75,15 @@ def test_models_meet_their_partner_the_past_and_the_opponents(whole: League) -> 
     past = [weight for _, weight in spec.others["red"][:-2]]
     assert sum(past) == pytest.approx(0.05)
     assert [weight for _, weight in spec.others["red"][-2:]] == pytest.approx([0.9 / 3, 1.8 / 3])
-    met = with_partner(spec.members["blue"], 0.05, spec.others["red"])
-    assert cast("FrozenPolicy", met[0][0]).sha256 == spec.members["blue"].policy().sha256
-    assert [weight for _, weight in met] == pytest.approx([0.05, *(w for _, w in spec.others["red"])])
+    met = with_partners(spec.partners, 0.05, spec.others["red"])
+    hashes = [cast("FrozenPolicy", player).sha256 for player, _ in met[:2]]
+    assert hashes == [member.policy().sha256 for member in whole.kept(1)["red"]]
+    assert [weight for _, weight in met] == pytest.approx([0.025] * 2 + [w for _, w in spec.others["red"]])
     assert spec.env["priority"] == 1.0
 
 
-def test_a_partner_may_be_all_that_is_met(whole: League) -> None:
-    assert [weight for _, weight in with_partner(whole.kept(1)["red"][0], 0.2, [])] == [1.0]
+def test_partners_may_be_all_that_is_met(whole: League) -> None:
+    assert [weight for _, weight in with_partners(whole.kept(1)["red"], 0.2, [])] == [0.5, 0.5]
 
 
 def test_one_model_plays_both_camps_where_it_is_not_split(whole: League) -> None:
@@ -106,6 +123,26 @@ def test_a_model_goes_on_with_its_mixer_and_its_targets(whole: League) -> None:
     assert kept.keys() == taken.keys()
     assert all(np.array_equal(kept[name], taken[name].numpy()) for name in kept)
     assert any(name.startswith("mixer_target") for name in kept)
+
+
+@pytest.mark.parametrize(("hidden", "goes_on"), [(64, True), (128, False)])
+def test_the_best_model_of_a_run_brings_its_mixer_where_it_fits(
+    hidden: int, goes_on: bool, tiny: LeagueSettings, tmp_path: Path
+) -> None:
+    env = make_vec_env(n_envs=1, privileged_state=True, seed=0)
+    model = QMIX("TaskPolicy", env, seed=3, buffer_size=10, policy_kwargs={"mirrored": True})
+    model.save(tmp_path / "run" / "best_model.zip")
+    as_member(model, side="both", scenario="plain").save(tmp_path / "run" / "policy")
+    starters = {"run": tmp_path / "run" / "policy"}
+    league = League.create(tmp_path / "league", replace(tiny, hidden=hidden), starters)
+
+    (member,) = league.starters("red")
+    assert member.networks.is_file() == goes_on
+    if goes_on:
+        spec = {**league.env(), "side": "both", "opponent": "MA1"}
+        taken = begin(member, spec, league.learner(4), 7).policy.state_dict()
+        assert all(np.array_equal(taken[name], one) for name, one in model.policy.state_dict().items())
+    assert League.create(tmp_path / "league", replace(tiny, hidden=hidden), starters).folder == league.folder
 
 
 def test_models_of_another_width_do_not_go_on(whole: League) -> None:
@@ -184,19 +221,17 @@ def test_a_league_of_another_mixer_is_trained(
 def test_a_model_knows_its_parent(which: str, request: pytest.FixtureRequest) -> None:
     league: League = request.getfixturevalue(which)
     found = json.loads((league.iteration(2) / "table.json").read_text())
-    specs = {
-        f"2-r{i}b{j}": spec
-        for (i, j), spec in zip([(0, 0), (0, 1), (1, 0), (1, 1)], league.specs(2), strict=True)
-    }
+    specs = {spec.folder.name: spec for spec in league.specs(2)}
+    assert list(specs) == (["2-r0b0", "2-r0b1", "2-r1b0", "2-r1b1"] if which == "split" else ["2-m0", "2-m1"])
     for camp in ("red", "blue"):
-        for row in found["standings"][camp]:
-            learned = camp if league.settings.split else "red"
-            assert row["parent"] == specs[row["name"]].members[learned].name
-    assert (parent_of(group_name(3, 1, 2), "red"), parent_of(group_name(3, 1, 2), "blue")) == (1, 2)
+        parents = {row["name"]: row["parent"] for row in found["standings"][camp]}
+        assert specs.keys() <= parents.keys()
+        for name, parent in parents.items():  # a model that stays is its own
+            assert parent == (specs[name].members[camp].name if name in specs else name)
 
 
 def test_a_group_is_a_function_of_its_spec(whole: League, tmp_path: Path) -> None:
-    spec = whole.specs(1)[2]
+    spec = whole.specs(1)[1]
     train_group(replace(spec, folder=tmp_path / "again"))
 
     assert contents(tmp_path / "again") == contents(spec.folder)
@@ -204,7 +239,7 @@ def test_a_group_is_a_function_of_its_spec(whole: League, tmp_path: Path) -> Non
 
 
 BREAKS: dict[str, Callable[[League], object]] = {
-    "a group": lambda league: shutil.rmtree(league.group(1, "1-r1b0")),
+    "a group": lambda league: shutil.rmtree(league.group(1, "1-m1")),
     "all matches": lambda league: shutil.rmtree(league.iteration(2) / "matches"),
     "one match": lambda league: next((league.iteration(2) / "matches").glob("*.json")).unlink(),
 }
@@ -367,7 +402,7 @@ BROKEN: dict[str, tuple[Callable[[dict[str, Any]], object], str]] = {
     ),
     "a list for settings": (
         lambda head: head.update(settings=[1]),
-        r"format: found 'hexwar league 2' with \[1\]",
+        r"format: found 'hexwar league 3' with \[1\]",
     ),
 }
 
@@ -382,9 +417,7 @@ def test_a_foreign_league_is_refused(broken: str, whole: League, tmp_path: Path)
         League.open(tmp_path)
 
 
-@pytest.mark.parametrize(
-    "names", [["../../../etc", "x"], [["2-r0b0"], 7], ["2-r0b0"], 7, ["2-r0b0", "9-r0b0"]]
-)
+@pytest.mark.parametrize("names", [["../../../etc", "x"], [["2-m0"], 7], ["2-m0"], 7, ["2-m0", "9-m0"]])
 def test_names_in_a_table_are_models_of_its_iteration(names: object, whole: League, tmp_path: Path) -> None:
     shutil.copytree(whole.folder, tmp_path / "league")
     league = League.open(tmp_path / "league")
