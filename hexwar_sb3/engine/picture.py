@@ -153,7 +153,7 @@ def _draw_marks(axes: Axes, hexmap: HexMap, story: Story) -> None:
             face, edge = ("none", _COLOUR[mark.camp]) if hollow else (_COLOUR[mark.camp], "white")
             axes.scatter(x, y, s=size, marker=shape, fc=face, ec=edge, linewidths=width, zorder=9)
     for cell in sorted({mark.cell for mark in story.captures}):
-        ticks = ", ".join(f"{m.camp} {m.tick}" for m in story.captures if m.cell == cell)
+        ticks = ", ".join(dict.fromkeys(f"{m.camp} {m.tick}" for m in story.captures if m.cell == cell))
         place = where[hexmap.parse_cell(cell)]
         axes.annotate(ticks, place, (7, -10), textcoords="offset points", fontsize=7, zorder=10)
 

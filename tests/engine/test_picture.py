@@ -47,3 +47,18 @@ def test_the_picture_shows_the_map_and_the_scores(replay: Replay, tmp_path: Path
     assert below.get_ylabel() == "margin, points"
     save_game_picture(replay, tmp_path / "game.png")
     assert (tmp_path / "game.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_a_point_that_two_pieces_take_at_once_has_its_tick_once() -> None:
+    game = Game.from_text("""
+        map   plain-20x7
+        point main 0504 80
+        red   tank 0504
+        red   chariot 0504
+        blue  soldier 1404
+    """)
+    game.submit("red", [Occupy("tank0"), Occupy("chariot0")])
+    game.advance(20)
+    texts = [text.get_text() for text in game_picture(Replay.of(game)).axes[0].texts]
+
+    assert [text for text in texts if text.startswith("red ")] == ["red 1"]
