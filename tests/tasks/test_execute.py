@@ -5,13 +5,16 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
+import numpy as np
 import pytest
 
 from hexwar_sb3.engine.codes import Code
-from hexwar_sb3.engine.records import NEVER, NO_PIECE
+from hexwar_sb3.engine.records import MAX_PIECES, NEVER, NO_PIECE
 from hexwar_sb3.maps.geometry import E
 from hexwar_sb3.rules.enums import Action
+from hexwar_sb3.tasks.execute import fires_itself
 from hexwar_sb3.tasks.records import ENDED, STAYING, WALKING, TaskKind
+from hexwar_sb3.tasks.shots import best_shot
 
 if TYPE_CHECKING:
     from tests.tasks.conftest import Board, Choose
@@ -199,6 +202,20 @@ def test_guide_fires_the_chariots_missile(field: Board) -> None:
     field.execute()
     assert field.orders[field.i("soldier0")].kind != Action.GUIDE_SHOOT
     assert field.orders[2].kind == Action.SHOOT
+
+
+@pytest.mark.parametrize(("share", "itself"), [(0.79, False), (0.81, True), (1.0, True)])
+def test_a_chariot_whose_shot_is_worth_four_fifths_of_the_guided_one_fires_itself(
+    field: Board, share: float, itself: bool
+) -> None:
+    meet(field, "chariot0", 8)
+    field.task("chariot0", K.HOLD, cell=field.cell(10, 2))
+    chariot, allotted = field.i("chariot0"), np.zeros(MAX_PIECES, np.int64)
+    seen = (allotted, field.game, field.pieces, field.memory)
+    value, _, _ = best_shot(chariot, NO_PIECE, False, *seen, field.rules, field.cells)
+
+    assert value > 0.0
+    assert fires_itself(chariot, value / share, *seen, field.plans, field.rules, field.cells) == itself
 
 
 def test_a_chariot_waits_for_the_soldier_that_boards_it(field: Board) -> None:
