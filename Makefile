@@ -7,7 +7,7 @@ JOBS ?= 2
 # One thread a process: torch and numpy gain nothing from more, and the tests run side by side.
 export OMP_NUM_THREADS ?= 1
 
-.PHONY: setup links train test test-slow unit lint type layers bench docs site examples notebooks
+.PHONY: setup links train test test-slow unit mutants lint type layers bench docs site examples notebooks
 
 setup: links $(STAMP)
 
@@ -35,6 +35,10 @@ unit: setup
 test-slow: lint type layers
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e ".[docs,ray]"
 	$(BIN)/python -m pytest -n $(JOBS)
+
+# One change in the code at a time: do the tests see it? What they do not is in results/mutants.txt.
+mutants: setup
+	NUMBA_DISABLE_JIT=1 $(BIN)/python -m tests.mutate
 
 lint: setup
 	$(BIN)/ruff check .

@@ -50,6 +50,16 @@ def test_steps_past_the_end_of_the_episode_count_nothing() -> None:
     assert discount.item() == pytest.approx(0.05)
 
 
+def test_every_row_of_a_batch_has_a_return_of_its_own() -> None:
+    """One column each, as `qmix_target` takes them."""
+    reward, discount = n_step_return(
+        torch.tensor([[1.0, 2.0], [3.0, 4.0]]), torch.full((2, 2), 0.5), torch.ones(2, 2, dtype=torch.bool)
+    )
+
+    assert reward.tolist() == [[2.0], [5.0]]
+    assert discount.tolist() == [[0.25], [0.25]]
+
+
 def returns(lambda_: float, terminated: tuple[float, ...], inside: tuple[bool, ...]) -> list[float]:
     """λ-returns of rewards 1, 2, 4 with γ = 0.5 and next values 10, 20, 40."""
     values = torch.tensor([[10.0, 20.0, 40.0]]).unsqueeze(2)

@@ -2,9 +2,20 @@
 
 from __future__ import annotations
 
+from hexwar_sb3.engine.codes import Code
+from hexwar_sb3.engine.fights import (
+    close_target,
+    fire_exchanges,
+    fire_exit_shots,
+    open_fights,
+    spend_close_rounds,
+)
 from hexwar_sb3.engine.game import Game
 from hexwar_sb3.engine.game_events import GameEvent, of_kind
 from hexwar_sb3.engine.orders import GetOn, Hide, IndirectShoot, Move, Occupy, Shoot
+from hexwar_sb3.engine.records import NEVER, NO_PIECE
+from hexwar_sb3.rules.enums import Action
+from hexwar_sb3.rules.indices import PieceIndex
 
 BOARD = """
     map  plain-9x5
@@ -192,3 +203,141 @@ def test_an_aerocraft_above_a_fight_takes_no_part() -> None:
     assert game.why_illegal("red", Shoot("aerocraft0", "soldier0", "AIRM")) is not None, (
         "no fire into the fight"
     )
+
+
+def test_of_two_weapons_of_one_level_the_first_of_the_list_is_fired() -> None:
+    """Section 10: SMALL and ROCKET both have level 6 at no distance."""
+    game = meet("soldier", "tank")
+    with game.edit() as state:
+        state["red:soldier0"].ammo = {"PORT": 0}
+    event = of_kind(game.advance(1), "close_shot")[0]
+    assert (event.weapon, event.level) == ("SMALL", 6)
+
+
+def test_a_tank_goes_before_a_chariot_even_if_it_is_stronger() -> None:
+    """Section 10: target; blood counts within a type only."""
+    for red in ("tank", "chariot"):
+        fight = Fight(f"red {red} 0403\nblue tank 0503\nblue chariot 0503 blood 1\nblue soldier 0503 blood 1")
+        assert fight.target(0) == 1
+
+
+def test_among_equals_the_weakest_is_the_target_wherever_it_stands_in_the_list() -> None:
+    """Section 10: target."""
+    for strong in range(4):
+        words = ["" if k != strong else " blood 1" for k in range(4)]
+        tanks = "\n".join(f"blue tank 0503{word}" for word in words)
+        for tick in range(5):
+            fight = Fight(f"red tank 0403\n{tanks}")
+            fight.record.tick = tick
+            assert fight.target(0) == 1 + strong
+
+
+def test_dice_choose_among_equals() -> None:
+    """Section 11: ties."""
+    fight = Fight("red tank 0403\nblue tank 0503\nblue tank 0503")
+    found = set()
+    for tick in range(40):
+        fight.record.tick = tick
+        found.add(int(fight.target(0)))
+    assert found == {1, 2}
+
+
+def test_exchanges_are_75_s_apart_and_each_shot_costs_one_round() -> None:
+    """Section 10: the clock of the fight, not of the shooter."""
+    fight = Fight("red tank 0403\nblue tank 0503")
+    for tick in range(160):
+        fight.record.tick = tick
+        fire_exchanges(fight.record, fight.pieces, fight.log, *fight.tables)
+    ticks = [int(row.tick) for row in fight.log[: fight.record.log_count]]
+    assert ticks == [1, 1, 76, 76, 151, 151]
+    assert fight.pieces.spent_now[:, 0].tolist() == [3, 3]
+
+
+def test_whoever_leaves_is_out_of_the_exchanges() -> None:
+    """Section 10: it neither fires nor is fired at."""
+    fight = Fight("red tank 0403\nblue tank 0503")
+    fight.pieces[0].path_len = 1
+    assert fight.target(1) == NO_PIECE
+    fire_exchanges(fight.record, fight.pieces, fight.log, *fight.tables)
+    assert fight.record.log_count == 0
+
+
+def test_each_enemy_in_the_cell_has_one_shot_at_who_leaves() -> None:
+    """Section 10: not those beside it, nor those that leave themselves; it costs a round."""
+    fight = Fight("red tank 0403\nblue tank 0503\nblue tank 0503\nblue tank 0503\nblue tank 0603")
+    fight.pieces[2].path_len = 1
+    assert fight.exit_shots(0) == [1, 3]
+    assert fight.pieces.spent_now[:, 0].tolist() == [0, 1, 0, 1, 0]
+
+
+def test_a_move_that_is_refused_or_another_order_draws_no_shot() -> None:
+    """Section 10: only who leaves is shot at."""
+    fight = Fight("red tank 0403\nblue tank 0503")
+    assert fight.exit_shots(0, code=Code.NO_HOP) == []
+    assert fight.exit_shots(0, kind=Action.HIDE) == []
+    assert fight.exit_shots(0) == [1]
+
+
+def test_an_aerocraft_leaves_the_cell_of_enemies_unharmed() -> None:
+    """Section 13: it is in no close combat."""
+    fight = Fight("red tank 0403\nred aerocraft 0403\nblue chariot 0503")
+    assert fight.exit_shots(1) == []
+
+
+def test_close_combat_costs_rounds_and_the_cover_of_who_fired() -> None:
+    """Section 10; section 4: own fire ends hiding. Rounds never fall below 0."""
+    fight = Fight("red tank 0403 hidden\nred tank 0103 hidden\nblue tank 0503")
+    fight.pieces[0].spent_now[0], fight.pieces[2].spent_now[0] = 2, 1
+    fight.pieces[0].ammo[0] = 1
+    for _ in range(2):
+        spend_close_rounds(fight.pieces)
+        assert fight.pieces.ammo[:, 0].tolist() == [0, 30, 29]
+        assert fight.pieces.hidden.tolist() == [0, 1, 0]
+        assert not fight.pieces.spent_now.any()
+
+
+def test_first_contact_stops_all_in_the_cell_and_the_first_exchange_is_in_the_next_step() -> None:
+    """Section 5.7: the bits tell whom to look at again."""
+    game = Game.from_text("map plain-9x5\nred tank 0403 stopped\nblue tank 0503\nred aerocraft 0403")
+    record, pieces, *_, log = game.state.game(0)
+    pieces[2].cell = pieces[0].cell
+    assert open_fights(record, pieces, log) == 0b101
+    assert record.fight_next[0] == 1
+    assert (pieces[0].stop_ends, pieces[0].stop_forced) == (NEVER, 0)
+    assert open_fights(record, pieces, log) == 0, "the fight is on already"
+
+
+def test_aerocraft_and_passengers_begin_no_fight() -> None:
+    """Section 13: they are in no close combat."""
+    game = Game.from_text(
+        "map plain-9x5\nred chariot 0303\nred soldier aboard chariot0\nred aerocraft 0303\nblue tank 0503"
+    )
+    record, pieces, *_, log = game.state.game(0)
+    pieces[1].cell = pieces[2].cell = pieces[3].cell
+    assert open_fights(record, pieces, log) == 0
+    pieces[0].cell = pieces[3].cell
+    assert open_fights(record, pieces, log) == 0b1001
+
+
+class Fight:
+    """A close combat in 0403: all blue pieces of 0503 have come in; nobody has fired."""
+
+    def __init__(self, lines: str) -> None:
+        game = Game.from_text(f"map plain-9x5\n{lines}")
+        cell = game.world.scenario.hexmap.parse_cell
+        self.record, self.pieces, *_, self.orders, self.log = game.state.game(0)
+        self.pieces.cell[self.pieces.cell == cell("0503")] = cell("0403")
+        self.tables = game.world.tables[:2]
+        self.cell = cell("0403")
+        self.record.fight_cell[0], self.record.fight_next[0] = self.cell, 0
+
+    def target(self, i: int) -> int:
+        """Whom piece i fires at."""
+        return close_target(PieceIndex(i), self.cell, self.record, self.pieces, *self.tables)
+
+    def exit_shots(self, i: int, kind: Action = Action.MOVE, code: Code = Code.OK) -> list[int]:
+        """Who fires at piece i when it is ordered to move."""
+        self.record.log_count = 0
+        self.orders[i].kind, self.orders[i].code = kind, code
+        fire_exit_shots(self.record, self.pieces, self.orders, self.log, *self.tables)
+        return [int(row.a) for row in self.log[: self.record.log_count]]

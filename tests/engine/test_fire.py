@@ -5,13 +5,22 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from hexwar_sb3.engine.fire import attack_level
+from hexwar_sb3.engine.codes import Event
+from hexwar_sb3.engine.dice import die, two_dice
+from hexwar_sb3.engine.fire import (
+    add_result,
+    attack_level,
+    resolve_shot,
+    soldier_correction,
+    vehicle_correction,
+)
 from hexwar_sb3.engine.game import Game
 from hexwar_sb3.engine.game_events import GameEvent, of_kind
 from hexwar_sb3.engine.orders import Hide, Move, Order, Shoot
 from hexwar_sb3.engine.records import PIECE
 from hexwar_sb3.rules import adjudicate
-from hexwar_sb3.rules.enums import PieceType, Weapon
+from hexwar_sb3.rules.enums import Dice, PieceType, Weapon
+from hexwar_sb3.rules.indices import PieceIndex
 from hexwar_sb3.rules.tables import ATTACKS
 
 WIDE = "map plain-40x5\n"
@@ -289,3 +298,81 @@ def test_weapons_have_the_rounds_of_the_rule_book() -> None:
     for piece, expected in rounds.items():
         assert expected.items() <= dict(game.view("red").piece(piece).ammo).items()
     assert Weapon.AIRM2.name not in dict(game.view("red").piece("aerocraft0").ammo)
+
+
+def test_the_outermost_corrections_stand_for_all_beyond() -> None:
+    """Section 7, correction: the tables end, modifiers add up to more."""
+    world = Game.from_text(NEAR + "red tank 0103\nblue tank 0903").world
+    rules, vehicles = world.tables[0], world.ruleset.table("vehicle_correction")
+    for roll in range(-10, 20):
+        assert soldier_correction(roll, rules) == world.ruleset.table("soldier_correction").clamped(roll)
+        for armour in range(5):
+            assert vehicle_correction(roll, armour, rules) == vehicles.clamped(roll, armour), (roll, armour)
+
+
+@pytest.mark.parametrize(
+    ("results", "kept"), [((-1,), (0, 0, 0)), ((0,), (1, 1, 0)), ((2, -1, 1), (1, 0, 3)), ((0, 90, 90), (1, 1, 100))]
+)  # fmt: skip
+def test_results_of_a_tick_add_up(results: tuple[int, ...], kept: tuple[int, int, int]) -> None:
+    """Section 5.4: -1 is no hit; a sum beyond all blood is kept within its byte."""
+    piece = np.zeros(1, PIECE).view(np.recarray)[0]
+    for result in results:
+        add_result(piece, result)
+    assert (piece.hit_now, piece.zero_now, piece.losses_now) == kept
+
+
+@pytest.mark.parametrize("exit_shot", [False, True])
+@pytest.mark.parametrize("target", ["tank", "soldier"])
+def test_a_shot_and_an_exit_shot_have_dice_of_their_own(target: str, exit_shot: bool) -> None:
+    """Section 11: every die is a function of the tick, its purpose, shooter, target and count."""
+    game = Game.from_text(NEAR + f"red tank 0103\nblue {target} 0303")
+    record, pieces, *_, log = game.state.game(0)
+    purposes = (Dice.EXIT_SHOT, Dice.EXIT_SHOT) if exit_shot else (Dice.DIRECT, Dice.DIRECT_CORRECTION)
+    second = two_dice if target == "tank" else die
+    for tick in range(20):
+        record.tick, record.log_count = tick, 0
+        resolve_shot(
+            Event.SHOT, PieceIndex(0), PieceIndex(0), PieceIndex(1), Weapon.GUN, exit_shot, record, pieces, log,
+            *game.world.tables[:2],
+        )  # fmt: skip
+        assert log[0].roll == two_dice(record, tick, purposes[0], pieces[0], pieces[1], 0)
+        assert log[0].roll2 == second(record, tick, purposes[1], pieces[0], pieces[1], 2 if exit_shot else 0)
+
+
+def test_an_aerocraft_is_shot_at_with_dice_of_its_own() -> None:
+    """Sections 7 and 11: one roll, no correction."""
+    game = Game.from_text(NEAR + "red chariot 0103\nblue aerocraft 0303")
+    record, pieces, *_, log = game.state.game(0)
+    for tick in range(20):
+        record.tick, record.log_count = tick, 0
+        resolve_shot(
+            Event.SHOT, PieceIndex(0), PieceIndex(0), PieceIndex(1), Weapon.CANNON, False, record, pieces, log,
+            *game.world.tables[:2],
+        )  # fmt: skip
+        assert log[0].roll == two_dice(record, tick, Dice.AIR, pieces[0], pieces[1], 0)
+        assert (log[0].roll2, log[0].corr) == (0, 0)
+
+
+@pytest.mark.parametrize(
+    ("shooter", "weapon", "target"),
+    [("tank", "GUN", "tank"), ("soldier", "SMALL", "tank"), ("chariot", "CANNON", "soldier"), ("chariot", "CANNON", "aerocraft")],
+)  # fmt: skip
+def test_a_shot_is_judged_as_a_referee_would_and_its_result_collected(
+    shooter: str, weapon: str, target: str
+) -> None:
+    """Section 7: nothing is worse for the target than no effect."""
+    game = Game.from_text(NEAR + f"red {shooter} 0103\nblue {target} 0203")
+    record, pieces, *_, log = game.state.game(0)
+    for tick in range(60):
+        record.tick, record.log_count = tick, 0
+        pieces[1].hit_now = pieces[1].losses_now = 0
+        resolve_shot(
+            Event.SHOT, PieceIndex(0), PieceIndex(0), PieceIndex(1), Weapon[weapon], False, record, pieces, log,
+            *game.world.tables[:2],
+        )  # fmt: skip
+        shot = log[0]
+        levels = (int(shot.level), int(pieces[0].blood), ARMOUR[target])
+        dice = (int(shot.roll), int(shot.roll2), int(shot.mods))
+        small = weapon == "SMALL"
+        assert shot.result == adjudicate(CLASS[target], *levels, *dice, small_arms=small)
+        assert (pieces[1].hit_now, pieces[1].losses_now) == (shot.result >= 0, max(shot.result, 0))

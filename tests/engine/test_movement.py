@@ -4,10 +4,14 @@ from __future__ import annotations
 
 import pytest
 
+from hexwar_sb3.engine.dice import priority
 from hexwar_sb3.engine.game import Game
 from hexwar_sb3.engine.game_events import GameEvent, of_kind
-from hexwar_sb3.engine.orders import Hide, Move, Shoot, Stop
+from hexwar_sb3.engine.movement import arrive, start_hops
+from hexwar_sb3.engine.orders import Decompress, Hide, Move, Shoot, Stop
 from hexwar_sb3.engine.pieces import in_motion
+from hexwar_sb3.engine.records import NEVER
+from hexwar_sb3.maps.geometry import E, W
 
 
 def arrivals(events: list[GameEvent], piece: str) -> list[tuple[str | None, int]]:
@@ -221,3 +225,87 @@ def test_hiding_takes_75_s_and_may_begin_in_a_natural_stop() -> None:
     assert not game.view("red").piece("tank0").hidden
     assert [event.kind for event in game.advance(1)] == ["hidden"]
     assert game.view("red").piece("tank0").hidden
+
+
+def test_a_new_move_ends_the_natural_stop_transition() -> None:
+    """Section 13: a new move may begin in it at once."""
+    game = Game.from_text("map plain-5x5\nred tank 0101 stopping\nblue tank 0505")
+    game.submit("red", Move("tank0", ["0201"]))
+    game.advance(1)
+    assert game.view("red").piece("tank0").stop_left == 0
+    assert game.pieces[0].stop_forced == 0
+
+
+def test_whoever_decompresses_before_a_full_cell_sets_out_when_it_is_free() -> None:
+    """Section 4, decompress: it takes its time, room or not."""
+    game = Game.from_text(FULL + "red tank 0201 suppressed moving 0301")
+    game.advance(1)
+    game.submit("red", [Decompress("tank4"), Move("tank0", ["0401"])])
+    assert arrivals(game.advance(200), "red:tank4") == [("0301", 76 + 20)]
+
+
+def test_whoever_waits_is_marked_until_it_sets_out() -> None:
+    """Section 5.6: for room, or for the end of suppression."""
+    game = Game.from_text(FULL + "red tank 0201 moving 0301")
+    game.advance(5)
+    assert game.pieces[4].waiting == 1
+    game.submit("red", Move("tank0", ["0401"]))
+    game.advance(21)
+    assert (game.pieces[4].waiting, game.pieces[4].arrives_at) == (0, 5 + 20 + 20)
+    game = Game.from_text("map plain-9x5\nred soldier 0103 suppressed moving 0203\nblue tank 0903")
+    record, pieces, _, paths, _, _, log = game.state.game(0)
+    pieces[0].waiting = 0
+    start_hops(0, record, pieces, paths, log, *game.world.tables[:2])
+    assert (pieces[0].waiting, pieces[0].arrives_at) == (1, NEVER)
+
+
+def test_dice_say_who_of_two_comes_into_the_last_place() -> None:
+    """Sections 5.6 and 11: in the order of dice by tick and piece."""
+    winners = set()
+    for tick in range(20):
+        game = Game.from_text(
+            "map plain-7x3\nred tank 0301\nred tank 0301\nred tank 0301\nred tank 0201\nred tank 0401\nblue tank 0703"
+        )
+        record, pieces, place = game.state.games[0], game.pieces, int(game.pieces[0].cell)
+        record.tick = tick
+        set_out(game, 3, E)
+        set_out(game, 4, W)
+        first = 3 if priority(record, tick, pieces[3]) < priority(record, tick, pieces[4]) else 4
+        assert let_arrive(game) == 1 << first
+        assert (pieces[first].cell, pieces[7 - first].waiting) == (place, 1)
+        winners.add(first)
+    assert winners == {3, 4}
+
+
+def test_a_full_cell_has_room_for_as_many_as_leave_it_whoever_comes_first() -> None:
+    """Section 5.6: repeated passes."""
+    for tick in range(20):
+        game = Game.from_text(FULL + "red tank 0201")
+        game.state.games[0].tick = tick
+        set_out(game, 4, E)
+        set_out(game, 0, E)
+        assert let_arrive(game) == 0b10001
+
+
+def test_nothing_of_a_path_is_left_at_its_end() -> None:
+    """Section 4, stop: the next move ends in a natural transition again."""
+    game = Game.from_text("map plain-5x5\nred tank 0101 moving 0201 0301\nblue tank 0505")
+    game.advance(15)
+    game.submit("red", Stop("tank0"))
+    game.advance(5)
+    tank = game.pieces[0]
+    assert (tank.stop_forced, tank.stop_pending, tank.path_pos, tank.path_len) == (1, 0, 0, 0)
+
+
+def set_out(game: Game, i: int, direction: int) -> None:
+    """Put a piece at the end of a hop."""
+    piece = game.pieces[i]
+    piece.path_pos, piece.path_len, piece.hop_need = 0, 1, 20
+    piece.arrives_at = game.state.games[0].tick + 1
+    game.state.paths[0, i, 0] = direction
+
+
+def let_arrive(game: Game) -> int:
+    """Bits of the pieces that end their hops in the present step."""
+    record, pieces, _, paths, _, _, log = game.state.game(0)
+    return int(arrive(record, pieces, paths, log, *game.world.tables[:2]))

@@ -6,7 +6,7 @@ import pytest
 
 from hexwar_sb3.engine.game import Game
 from hexwar_sb3.engine.orders import Occupy
-from hexwar_sb3.engine.score import known_margin, own_total
+from hexwar_sb3.engine.score import known_margin, own_total, points_held, points_value
 from hexwar_sb3.rules.enums import Camp
 
 BOARD = "map plain-9x5\nticks {ticks}\npoint main 0303 80\nred tank 0303\nred aerocraft 0101\nblue chariot 0903\nblue soldier aboard chariot0\n"
@@ -90,3 +90,23 @@ def test_the_known_margin_counts_enemies_at_their_last_seen_blood() -> None:
         state["blue:chariot0"].blood = 2
     assert (known(Camp.RED), game.margin("red")) == (30 - 30 - 14, 30 - 10 - 14)
     assert game.view("red").known_margin == known(Camp.RED)
+
+
+@pytest.mark.parametrize("words", ["", "score net"])
+def test_the_known_margin_is_the_margin_where_everything_is_seen(words: str) -> None:
+    """Section 12: points of all owners, in both forms of the score."""
+    points = "point main 0303 80 red\npoint near 0503 50 blue\npoint far 0703 30\n"
+    game = Game.from_text(f"map plain-9x5\n{points}red tank 0303 blood 2\nblue chariot 0603\n{words}")
+    for camp in (Camp.RED, Camp.BLUE):
+        known = known_margin(
+            game.state.games[0], game.pieces, game.state.memory[0], camp, game.world.rules[0]
+        )
+        assert known == game.margin(camp.name.lower())
+
+
+def test_a_camp_holds_the_points_that_it_owns() -> None:
+    """Section 12: green's are nobody's."""
+    points = "point main 0303 80 red\npoint near 0503 50 red\npoint far 0703 30\n"
+    record = Game.from_text(f"map plain-9x5\n{points}red tank 0101\nblue tank 0901").state.games[0]
+    assert [points_held(record, camp) for camp in Camp] == [2, 0, 1]
+    assert [points_value(record, camp) for camp in Camp] == [130, 0, 30]

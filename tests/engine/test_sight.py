@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
 from hexwar_sb3.engine.game import Game
 from hexwar_sb3.engine.orders import Hide, Move
+from hexwar_sb3.engine.sight import look_around
 from hexwar_sb3.engine.view import SideView
 
 
@@ -88,6 +90,19 @@ def test_a_ridge_blocks_the_view_but_not_that_of_an_aerocraft() -> None:
     assert sees("tank", "tank", 1, ridge)
 
 
+def test_over_a_ridge_aerocraft_are_seen_from_the_ground_and_by_each_other() -> None:
+    """Section 6: it flies above its cell, as observer and as target."""
+    assert sees("tank", "aerocraft", 3, "cell 0301 0302 0303 elev 50")
+    assert sees("aerocraft", "aerocraft", 3, "cell 0401 0402 0403 elev 180")
+    assert not sees("aerocraft", "tank", 3, "cell 0401 0402 0403 elev 180")
+
+
+@pytest.mark.parametrize(("apart", "seen"), [(1, True), (2, False)])
+def test_whoever_is_seen_at_all_is_seen_from_the_next_cell(apart: int, seen: bool) -> None:
+    """Section 6: halved twice, and still 1."""
+    assert sees("aerocraft", "soldier hidden", apart, f"cell {2 + apart:02d}02 concealed") == seen
+
+
 def seen(view: SideView) -> list[str]:
     return [enemy.name for enemy in view.seen]
 
@@ -129,6 +144,7 @@ def test_a_watched_death_is_known_and_an_unwatched_one_is_not() -> None:
     red = game.view("red")
     assert [(enemy.name, enemy.blood) for enemy in red.lost] == [("blue:tank0", 0)]
     assert [enemy.name for enemy in red.unseen] == ["blue:tank1"]
+    assert game.state.memory[0, 0, 1].tick == 0, "seen in the very state in which it is dead"
 
 
 def test_a_seen_enemy_shows_where_it_goes_and_how_it_stands() -> None:
@@ -137,6 +153,16 @@ def test_a_seen_enemy_shows_where_it_goes_and_how_it_stands() -> None:
     enemy = game.view("red").seen[0]
     assert (enemy.kind, enemy.cell, enemy.next_cell, enemy.blood) == ("chariot", "0502", "0602", 2)
     assert (enemy.suppressed, enemy.hidden, enemy.moving, enemy.speed) == (True, False, True, 1 / 20)
+    known = game.state.memory[0, 0, 1]
+    assert (known.suppressed, known.hidden, known.moving) == (1, 0, 1)
+
+
+def test_an_enemy_that_stands_under_cover_is_known_to() -> None:
+    """Section 6: hidden, not suppressed, not in motion; a stop transition is motion."""
+    game = Game.from_text("map plain-9x3\nred tank 0202\nblue tank 0502 hidden\nblue tank 0602 stopping")
+    cover, stopping = game.state.memory[0, 0, 1:]
+    assert (cover.suppressed, cover.hidden, cover.moving) == (0, 1, 0)
+    assert stopping.moving == 1
 
 
 def test_a_piece_that_hides_drops_out_of_sight() -> None:
@@ -159,3 +185,51 @@ def test_with_the_lights_on_everything_on_the_map_is_seen() -> None:
     with game.edit() as state:
         state["red:tank0"].cell = "0202"
     assert seen(game.view("red")) == ["blue:tank0"]
+
+
+def test_with_the_lights_on_neither_passengers_nor_the_dead_are_seen() -> None:
+    """architecture.md, section 4: on the map."""
+    game = Game.from_text(
+        "map plain-60x3\nred tank 0202\nblue chariot 5002\nblue soldier aboard chariot0\nblue tank 5102"
+    )
+    game.state.games[0].fog = 0
+    with game.edit() as state:
+        state["blue:tank0"].blood = 0
+    assert seen(game.view("red")) == ["blue:chariot0"]
+    assert not game.state.memory[0, 0, 0].seen, "nobody is an enemy of its own"
+
+
+def test_an_aerocraft_sees_a_hidden_vehicle_as_far_as_any() -> None:
+    """Section 6: the observer flies."""
+    assert sees("aerocraft", "tank hidden", 5)
+
+
+def test_only_the_pieces_named_are_looked_at_again() -> None:
+    """Section 6: what they see, and who sees them."""
+    game = Game.from_text("map plain-9x3\nred tank 0202\nred tank 0203\nblue tank 0502\nblue tank 0503")
+    game.pieces.sees = 0
+    look_around(np.uint32(0b0001), game.pieces, *game.world.tables)
+    assert game.pieces.sees.tolist() == [0b1100, 0, 0b0001, 0b0001]
+
+
+def test_a_camp_knows_since_when_an_enemy_is_in_sight_and_stands_in_its_cell() -> None:
+    """Section 6: a contact is news once; the clock of its cell starts again when it moves."""
+    game = Game.from_text("map plain-60x3\nred tank 0202\nblue tank 2802 moving 2702 2602")
+    known, record = game.state.memory[0, 0, 1], game.state.games[0]
+    assert (known.seen, record.contact_tick[0]) == (0, -1)
+    game.advance(20)
+    assert (known.seen, known.first_tick, known.still_since, record.contact_tick[0]) == (1, 20, 20, 20)
+    assert known.tick == 20
+    game.advance(10)
+    assert known.still_since == 20
+    game.advance(10)
+    assert (known.first_tick, known.still_since, record.contact_tick[0]) == (20, 40, 20)
+
+
+def test_an_enemy_out_of_sight_leads_nowhere_and_was_seen_a_tick_ago() -> None:
+    """Section 6: what is remembered is the last state in which it was seen."""
+    game = Game.from_text("map plain-60x3\nred tank 0202\nblue tank 2702 moving 2802 2902")
+    known = game.state.memory[0, 0, 1]
+    assert known.next_cell == game.pieces[1].cell + 1
+    game.advance(20)
+    assert (known.seen, known.next_cell, known.tick, known.blood) == (0, -1, 19, 3)
