@@ -215,7 +215,7 @@ def test_a_chariot_whose_shot_is_worth_four_fifths_of_the_guided_one_fires_itsel
     value, _, _ = best_shot(chariot, NO_PIECE, False, *seen, field.rules, field.cells)
 
     assert value > 0.0
-    assert fires_itself(chariot, value / share, *seen, field.plans, field.rules, field.cells) == itself
+    assert fires_itself(chariot, value / share, *seen, field.missions, field.rules, field.cells) == itself
 
 
 def test_a_chariot_waits_for_the_soldier_that_boards_it(field: Board) -> None:
