@@ -23,6 +23,7 @@ import sys
 import time
 from collections import Counter, defaultdict
 from collections.abc import Iterator
+from importlib.machinery import SourceFileLoader
 from pathlib import Path
 from types import CodeType
 from typing import Any, NamedTuple
@@ -34,14 +35,15 @@ from hexwar_sb3.cache import Cache
 ROOT = Path(__file__).parent.parent
 KEPT = Path(__file__).with_name("mutants_kept.txt")
 RESULTS = ROOT / "results" / "mutants.txt"
-ALIVE, NOT_IMPORTED = b"alive", b"not imported"
+ALIVE, NOT_IMPORTED = b"alive", b"not so when imported"
 NO_REASON = "no reason yet"
+IMPORT_S = 60  # CPU seconds for all tests of the rules
 SPARE_S = 5  # a test hangs that needs so many CPU seconds more than twice what it needed without the mutant
 
 RULES = "rules/"
 MODULES = [
     "algorithms/td_targets.py",
-    *(f"engine/{name}.py" for name in ("fights", "fire", "harm", "legality", "movement", "score", "sight")),
+    *(f"engine/{name}.py" for name in ("fights", "fire", "harm", "movement", "score", "sight")),
     *(f"{RULES}{name}.py" for name in ("adjudicate", "check", "fill", "odds", "page", "rows", "ruleset")),
     "tasks/phi.py",
 ]
@@ -54,6 +56,7 @@ TESTS = {
     "rules": ["rules", "house/test_docs.py"],
     "tasks": ["tasks/test_phi.py", "tasks/test_execute.py"],
 }  # fmt: skip
+OPTIONS = ("-q", "-s", "--assert=plain", "-p", "no:cacheprovider", "-p", "no:xdist")
 SLOW = ("seed", "until(", "suppressed_by_fire", "sticky", "range_of")  # words in the source of slow tests
 
 SWAPS: dict[type[ast.AST], type[ast.AST]] = {
@@ -62,15 +65,7 @@ SWAPS: dict[type[ast.AST], type[ast.AST]] = {
     ast.Add: ast.Sub, ast.Sub: ast.Add, ast.Mult: ast.FloorDiv, ast.FloorDiv: ast.Mult, ast.Div: ast.Mult, ast.Pow: ast.Mult,
     ast.BitOr: ast.BitAnd, ast.BitAnd: ast.BitOr, ast.LShift: ast.RShift, ast.RShift: ast.LShift,
 }  # fmt: skip
-LEFT = (
-    "annotation",
-    "returns",
-    "decorator_list",
-    "args",
-    "bases",
-    "exc",
-    "values_of_text",
-)  # types and messages
+LEFT = ("annotation", "returns", "decorator_list", "bases")  # types
 
 
 class Mutant(NamedTuple):
@@ -110,7 +105,7 @@ def units(tree: ast.Module) -> Iterator[tuple[str, ast.AST]]:
 def slots(node: ast.AST) -> Iterator[tuple[Any, Any, ast.AST]]:
     """Every node below one, with its holder and its key there."""
     for field, value in ast.iter_fields(node):
-        if field in LEFT or isinstance(node, ast.JoinedStr | ast.Raise):
+        if field in LEFT or isinstance(node, ast.arguments | ast.JoinedStr | ast.Raise):
             continue
         entries = enumerate(value) if isinstance(value, list) else [(field, value)]
         for key, child in entries:
@@ -165,11 +160,12 @@ def words(node: ast.AST) -> str:
 class Hunt:
     """A pytest plugin: one run of all tests to see which functions each calls, then a process a mutant."""
 
-    def __init__(self, modules: list[str], only: dict[str, set[str]] | None) -> None:
+    def __init__(self, modules: list[str], only: dict[str, set[str]]) -> None:
         self.modules, self.only, self.noting = modules, only, True
         self.callers: defaultdict[tuple[str, str], list[pytest.Item]] = defaultdict(list)
         self.needs_s: dict[pytest.Item, float] = {}
-        self.found: dict[str, tuple[list[str], int]] = {}
+        self.cached: list[Any] = []
+        self.done = 0
 
     def pytest_collection_modifyitems(self, items: list[pytest.Item]) -> None:
         """Leave out what is slow in plain Python."""
@@ -185,14 +181,15 @@ class Hunt:
         if session.testsfailed:
             raise session.Failed("tests fail without any mutant")
         self.noting = False
+        self.cached = [thing for thing in gc.get_objects() if type(thing) is functools._lru_cache_wrapper]
         for items in self.callers.values():
             items.sort(key=lambda item: self.needs_s[item])
         for module in self.modules:
             every = list(mutants(module))
-            wanted = every if self.only is None else [one for one in every if one.name in self.only[module]]
+            wanted = [one for one in every if module not in self.only or one.name in self.only[module]]
             alive = [one.name for one in wanted if self.survives(module, one, session)]
-            self.found[module] = alive, len(every)
-            sys.stderr.write(f"\n{module}: {len(every)} made, {len(alive)} survived\n")
+            write_results(module, len(every), alive)
+            self.done += 1
         return True
 
     @pytest.hookimpl(wrapper=True)
@@ -245,16 +242,28 @@ class Hunt:
         Cache.keep = lambda *_: False  # type: ignore[method-assign]  # nothing that a mutant makes is filed
         if not put_in(sys.modules[name_of(module)], mutant):
             return NOT_IMPORTED
-        for thing in gc.get_objects() if module.startswith(RULES) else ():
-            if type(thing) is functools._lru_cache_wrapper:
-                thing.cache_clear()
+        for cached in self.cached if module.startswith(RULES) else ():
+            cached.cache_clear()
         for k, item in enumerate(items):
             limit = time.process_time() + SPARE_S + 2 * self.needs_s[item]
             resource.setrlimit(resource.RLIMIT_CPU, (int(limit), resource.RLIM_INFINITY))
             item.config.hook.pytest_runtest_protocol(item=item, nextitem=None)
             if session.testsfailed:
                 return str(k).encode()
-        return ALIVE
+        return ALIVE if not module.startswith(RULES) or passes_anew(module, mutant) else NOT_IMPORTED
+
+
+def passes_anew(module: str, mutant: Mutant) -> bool:
+    """Whether the tests pass where all is imported again: tables and tests read rules when they are imported."""
+    for known in [known for known in sys.modules if known.startswith(("hexwar_sb3", "tests"))]:
+        del sys.modules[known]
+    limit = int(time.process_time()) + IMPORT_S
+    resource.setrlimit(resource.RLIMIT_CPU, (limit, resource.RLIM_INFINITY))
+    code_of = SourceFileLoader.get_code
+    SourceFileLoader.get_code = lambda self, fullname: (  # type: ignore[method-assign]
+        mutant.code if fullname == name_of(module) else code_of(self, fullname)
+    )
+    return pytest.main([*OPTIONS, "-x", *(str(ROOT / "tests" / test) for test in TESTS["rules"])]) == 0
 
 
 def put_in(home: Any, mutant: Mutant) -> bool:
@@ -296,6 +305,16 @@ def sections() -> dict[str, list[str]]:
     return {block.split(":")[0]: block.splitlines() for block in blocks}
 
 
+def write_results(module: str, made: int, alive: list[str]) -> None:
+    """Put the counts and survivors of a module into their place in the results."""
+    known, why = sections(), reasons()
+    known[module] = [f"{module}: {made} made, {made - len(alive)} killed, {len(alive)} survived"]
+    for name in alive:
+        known[module] += [f"    {name}", f"        {why.get(f'{module} {name}', NO_REASON)}"]
+    text = "\n\n".join("\n".join(known[place]) for place in sorted(known))
+    RESULTS.write_text(f"Made by `make mutants`; tests/mutate.py says how.\n\n{text}\n", "utf-8")
+
+
 def make_tables_once() -> None:
     """Most boards of the tests lie on the same few maps, whose tables take a second each in plain Python."""
     terrain: Any = importlib.import_module("hexwar_sb3.maps.terrain")
@@ -314,21 +333,13 @@ def make_tables_once() -> None:
 def main(arguments: list[str]) -> int:
     again = "--survivors" in arguments
     modules = [argument for argument in arguments if argument != "--survivors"] or MODULES
-    known, why = sections(), reasons()
-    last = {module: {line.strip() for line in known.get(module, [])} for module in modules}
-    hunt = Hunt(modules, last if again else None)
-    options = ["-q", "-s", "--assert=plain", "-p", "no:cacheprovider", "-p", "no:xdist"]
+    last = {module: {line.strip() for line in lines} for module, lines in sections().items()}
+    hunt = Hunt(modules, last if again else {})
     tests = [
         test for layer, tests in TESTS.items() for test in tests if any(m.startswith(layer) for m in modules)
     ]
-    pytest.main([*options, *(str(ROOT / "tests" / test) for test in tests)], plugins=[hunt])
-    for module, (found, made) in hunt.found.items():
-        known[module] = [f"{module}: {made} made, {made - len(found)} killed, {len(found)} survived"]
-        for name in found:
-            known[module] += [f"    {name}", f"        {why.get(f'{module} {name}', NO_REASON)}"]
-    text = "\n\n".join("\n".join(known[module]) for module in sorted(known))
-    RESULTS.write_text(f"Made by `make mutants`; tests/mutate.py says how.\n\n{text}\n", "utf-8")
-    return int(len(hunt.found) < len(modules) or NO_REASON in text)
+    pytest.main([*OPTIONS, *(str(ROOT / "tests" / test) for test in tests)], plugins=[hunt])
+    return int(hunt.done < len(modules) or NO_REASON in RESULTS.read_text("utf-8"))
 
 
 if __name__ == "__main__":

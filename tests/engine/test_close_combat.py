@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import pytest
+
 from hexwar_sb3.engine.codes import Code
 from hexwar_sb3.engine.fights import (
+    close_fights,
     close_target,
     fire_exchanges,
     fire_exit_shots,
@@ -13,7 +16,7 @@ from hexwar_sb3.engine.fights import (
 from hexwar_sb3.engine.game import Game
 from hexwar_sb3.engine.game_events import GameEvent, of_kind
 from hexwar_sb3.engine.orders import GetOn, Hide, IndirectShoot, Move, Occupy, Shoot
-from hexwar_sb3.engine.records import NEVER, NO_PIECE
+from hexwar_sb3.engine.records import NEVER, NO_CELL, NO_PIECE
 from hexwar_sb3.rules.enums import Action
 from hexwar_sb3.rules.indices import PieceIndex
 
@@ -294,6 +297,17 @@ def test_close_combat_costs_rounds_and_the_cover_of_who_fired() -> None:
         assert fight.pieces.ammo[:, 0].tolist() == [0, 30, 29]
         assert fight.pieces.hidden.tolist() == [0, 1, 0]
         assert not fight.pieces.spent_now.any()
+
+
+@pytest.mark.parametrize("gone", [0, 1])
+def test_the_clock_of_a_fight_stops_when_either_camp_is_gone(gone: int) -> None:
+    """Section 10: until one camp is left there."""
+    fight = Fight("red tank 0403\nblue tank 0503")
+    close_fights(fight.record, fight.pieces)
+    assert fight.record.fight_cell[0] == fight.cell
+    fight.pieces[gone].blood = 0
+    close_fights(fight.record, fight.pieces)
+    assert (fight.record.fight_cell[0], fight.record.fight_next[0]) == (NO_CELL, NEVER)
 
 
 def test_first_contact_stops_all_in_the_cell_and_the_first_exchange_is_in_the_next_step() -> None:

@@ -111,6 +111,7 @@ def test_a_target_class_may_be_named_in_either_case() -> None:
     results = {adjudicate(name, 8, 3, 2, 7, 12, -2) for name in ("vehicle", "VEHICLE", TargetClass.VEHICLE)}
 
     assert results == {4}
+    assert adjudicate(TargetClass.SOLDIER, 6, 3, 0, 2, 3, 0) == adjudicate("soldier", 6, 3, 0, 2, 3, 0)
 
 
 @pytest.mark.parametrize(

@@ -205,6 +205,16 @@ def test_a_table_is_read_with_the_numbers_of_the_rule_book(rules: RuleSet) -> No
     assert table.clamped(14, 4) == 2
     with pytest.raises(ConfigError, match="vehicle_correction has no entry"):
         table.at(-4, 1)
+    with pytest.raises(ConfigError, match="vehicle_correction has no entry"):
+        table.at(13, 1)
+    with pytest.raises(ValueError, match="longer"):
+        table.at(12)
+
+
+def test_a_weapon_is_replaced_by_its_name(rules: RuleSet) -> None:
+    row = replace(rules.weapons[Weapon.PORT], code=999)
+
+    assert [weapon.code == 999 for weapon in rules.with_rows(row).weapons].index(True) == Weapon.PORT
 
 
 def test_the_record_leaves_no_table_empty(rules: RuleSet) -> None:
