@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from hexwar_sb3.engine.codes import Code
+from hexwar_sb3.engine.codes import Code, Event
+from hexwar_sb3.engine.dice import throw, two_dice
 from hexwar_sb3.engine.fights import (
     close_fights,
     close_target,
@@ -17,7 +18,7 @@ from hexwar_sb3.engine.game import Game
 from hexwar_sb3.engine.game_events import GameEvent, of_kind
 from hexwar_sb3.engine.orders import GetOn, Hide, IndirectShoot, Move, Occupy, Shoot
 from hexwar_sb3.engine.records import NEVER, NO_CELL, NO_PIECE
-from hexwar_sb3.rules.enums import Action
+from hexwar_sb3.rules.enums import Action, Dice
 from hexwar_sb3.rules.indices import PieceIndex
 
 BOARD = """
@@ -241,8 +242,22 @@ def test_dice_choose_among_equals() -> None:
     found = set()
     for tick in range(40):
         fight.record.tick = tick
+        shooter, *targets = fight.pieces
+        dice = [int(throw(fight.record, tick, Dice.CLOSE_TIE, shooter, target, 0)) for target in targets]
+        assert fight.target(0) == 1 + dice.index(min(dice))
         found.add(int(fight.target(0)))
     assert found == {1, 2}
+
+
+def test_exchanges_have_the_dice_of_shots_and_exit_shots_their_own() -> None:
+    """Section 11."""
+    for tick in range(10):
+        fight = Fight("red tank 0403\nblue tank 0503")
+        fight.record.tick, (red, blue) = tick, fight.pieces
+        fire_exchanges(fight.record, fight.pieces, fight.log, *fight.tables)
+        assert fight.log[0].roll == two_dice(fight.record, tick, Dice.DIRECT, red, blue, 0)
+        fight.exit_shots(1)
+        assert fight.log[0].roll == two_dice(fight.record, tick, Dice.EXIT_SHOT, red, blue, 0)
 
 
 def test_exchanges_are_75_s_apart_and_each_shot_costs_one_round() -> None:
@@ -279,6 +294,7 @@ def test_a_move_that_is_refused_or_another_order_draws_no_shot() -> None:
     assert fight.exit_shots(0, code=Code.NO_HOP) == []
     assert fight.exit_shots(0, kind=Action.HIDE) == []
     assert fight.exit_shots(0) == [1]
+    assert Fight("red tank 0403\nblue tank 0503").exit_shots(1) == [0]
 
 
 def test_an_aerocraft_leaves_the_cell_of_enemies_unharmed() -> None:
@@ -331,6 +347,18 @@ def test_aerocraft_and_passengers_begin_no_fight() -> None:
     assert open_fights(record, pieces, log) == 0
     pieces[0].cell = pieces[3].cell
     assert open_fights(record, pieces, log) == 0b1001
+
+
+def test_only_those_in_the_cell_are_stopped_by_a_first_contact() -> None:
+    """Section 5.7; the event says where."""
+    game = Game.from_text("map plain-9x5\nred tank 0103 stopping\nred tank 0403\nblue tank 0503")
+    record, pieces, *_, log = game.state.game(0)
+    pieces[2].cell = pieces[1].cell
+    assert open_fights(record, pieces, log) == 0b110
+    assert pieces[0].stop_ends != NEVER
+    assert record.log_count == 1
+    assert (log[0].event, log[0].a, log[0].cell) == (Event.FIRST_CONTACT, 1, pieces[1].cell)
+    assert (log[0].b, log[0].extra) == (NO_PIECE, 0)
 
 
 class Fight:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import product
+
 import numpy as np
 import pytest
 
@@ -361,18 +363,19 @@ def test_a_shot_is_judged_as_a_referee_would_and_its_result_collected(
     shooter: str, weapon: str, target: str
 ) -> None:
     """Section 7: nothing is worse for the target than no effect."""
-    game = Game.from_text(NEAR + f"red {shooter} 0103\nblue {target} 0203")
+    game = Game.from_text(NEAR + f"red {shooter} 0103\nblue {target} 0203 stopping")
     record, pieces, *_, log = game.state.game(0)
-    for tick in range(60):
-        record.tick, record.log_count = tick, 0
+    for tick, blood in product(range(25), (1, 3, 5)):
+        record.tick, record.log_count, pieces[0].blood = tick, 0, blood
         pieces[1].hit_now = pieces[1].losses_now = 0
         resolve_shot(
             Event.SHOT, PieceIndex(0), PieceIndex(0), PieceIndex(1), Weapon[weapon], False, record, pieces, log,
             *game.world.tables[:2],
         )  # fmt: skip
         shot = log[0]
-        levels = (int(shot.level), int(pieces[0].blood), ARMOUR[target])
+        levels = (int(shot.level), blood, ARMOUR[target])
         dice = (int(shot.roll), int(shot.roll2), int(shot.mods))
         small = weapon == "SMALL"
+        assert shot.mods == -2
         assert shot.result == adjudicate(CLASS[target], *levels, *dice, small_arms=small)
         assert (pieces[1].hit_now, pieces[1].losses_now) == (shot.result >= 0, max(shot.result, 0))

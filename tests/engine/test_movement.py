@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import pytest
 
+from hexwar_sb3.engine.codes import Event
 from hexwar_sb3.engine.dice import priority
 from hexwar_sb3.engine.game import Game
 from hexwar_sb3.engine.game_events import GameEvent, of_kind
 from hexwar_sb3.engine.movement import arrive, start_hops
 from hexwar_sb3.engine.orders import Decompress, Hide, Move, Shoot, Stop
 from hexwar_sb3.engine.pieces import in_motion
-from hexwar_sb3.engine.records import NEVER
-from hexwar_sb3.maps.geometry import E, W
+from hexwar_sb3.engine.records import NEVER, NO_PIECE
+from hexwar_sb3.maps.geometry import NE, E, W
 
 
 def arrivals(events: list[GameEvent], piece: str) -> list[tuple[str | None, int]]:
@@ -295,6 +296,20 @@ def test_nothing_of_a_path_is_left_at_its_end() -> None:
     game.advance(5)
     tank = game.pieces[0]
     assert (tank.stop_forced, tank.stop_pending, tank.path_pos, tank.path_len) == (1, 0, 0, 0)
+
+
+def test_an_arrival_and_a_blocked_path_are_events_with_their_place() -> None:
+    """Sections 5.6 and 13; nothing else is told."""
+    game = Game.from_text("map plain-5x5\nred tank 0101\nblue tank 0505")
+    record, pieces, _, paths, _, _, log = game.state.game(0)
+    set_out(game, 0, E)
+    let_arrive(game)
+    set_out(game, 0, NE)
+    pieces[0].arrives_at = NEVER
+    start_hops(1, record, pieces, paths, log, *game.world.tables[:2])
+    assert [int(row.event) for row in log[: record.log_count]] == [Event.ARRIVED, Event.PATH_BLOCKED]
+    for row in log[: record.log_count]:
+        assert (row.a, row.b, row.cell, row.extra) == (0, NO_PIECE, pieces[0].cell, 0)
 
 
 def set_out(game: Game, i: int, direction: int) -> None:

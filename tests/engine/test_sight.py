@@ -7,7 +7,7 @@ import pytest
 
 from hexwar_sb3.engine.game import Game
 from hexwar_sb3.engine.orders import Hide, Move
-from hexwar_sb3.engine.sight import look_around
+from hexwar_sb3.engine.sight import look_all, look_around
 from hexwar_sb3.engine.view import SideView
 
 
@@ -94,12 +94,14 @@ def test_over_a_ridge_aerocraft_are_seen_from_the_ground_and_by_each_other() -> 
     """Section 6: it flies above its cell, as observer and as target."""
     assert sees("tank", "aerocraft", 3, "cell 0301 0302 0303 elev 50")
     assert sees("aerocraft", "aerocraft", 3, "cell 0401 0402 0403 elev 180")
-    assert not sees("aerocraft", "tank", 3, "cell 0401 0402 0403 elev 180")
+    for observer, target in (("aerocraft", "tank"), ("tank", "aerocraft")):
+        assert not sees(observer, target, 3, "cell 0401 0402 0403 elev 180")
 
 
 @pytest.mark.parametrize(("apart", "seen"), [(1, True), (2, False)])
 def test_whoever_is_seen_at_all_is_seen_from_the_next_cell(apart: int, seen: bool) -> None:
-    """Section 6: halved twice, and still 1."""
+    """Section 6: halved once or twice, and still 1."""
+    assert sees("aerocraft", "soldier hidden", apart) == seen
     assert sees("aerocraft", "soldier hidden", apart, f"cell {2 + apart:02d}02 concealed") == seen
 
 
@@ -130,6 +132,7 @@ def test_an_enemy_that_was_never_seen_has_no_cell() -> None:
     game = Game.from_text("map plain-60x3\nred tank 0202\nblue soldier 3902")
     unseen = game.view("red").unseen[0]
     assert (unseen.name, unseen.kind) == ("blue:soldier0", "soldier")
+    assert game.state.memory[0, :, :].seen.tolist() == [[0, 0], [0, 0]]
     assert not hasattr(unseen, "cell")
     assert not hasattr(unseen, "blood")
 
@@ -210,6 +213,8 @@ def test_only_the_pieces_named_are_looked_at_again() -> None:
     game.pieces.sees = 0
     look_around(np.uint32(0b0001), game.pieces, *game.world.tables)
     assert game.pieces.sees.tolist() == [0b1100, 0, 0b0001, 0b0001]
+    look_all(game.pieces, *game.world.tables)
+    assert game.pieces.sees.tolist() == [0b1100, 0b1100, 0b0011, 0b0011]
 
 
 def test_a_camp_knows_since_when_an_enemy_is_in_sight_and_stands_in_its_cell() -> None:

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from hexwar_sb3.errors import ConfigError
-from hexwar_sb3.rules import PieceType, RuleSet
+from hexwar_sb3.rules import PieceType, RuleSet, Weapon
 from hexwar_sb3.rules.rows import Number, Pool
 
 LIMITS = {
@@ -155,3 +155,14 @@ def test_an_aerocraft_is_as_fast_as_its_profile_says(rules: RuleSet) -> None:
 def test_bonuses_that_the_odds_cannot_hold_are_refused(rules: RuleSet) -> None:
     with pytest.raises(ConfigError, match=r"sum of all bonuses: found 3; .* in 0\.\.2"):
         rules.with_numbers(mod_target_stacked=3)
+
+
+def test_every_weapon_but_the_mortar_has_attack_rows(rules: RuleSet) -> None:
+    """It fires at cells (section 9)."""
+    without = tuple(row for row in rules.attacks if row.weapon != Weapon.ROCKET)
+    with pytest.raises(
+        ConfigError, match="attack rows of ROCKET: found 0; expected none for MORTAR, else some"
+    ):
+        replace(rules, attacks=without)
+    with pytest.raises(ConfigError, match="attack rows of MORTAR: found 1"):
+        replace(rules, attacks=(*rules.attacks, replace(rules.attacks[0], weapon=Weapon.MORTAR)))

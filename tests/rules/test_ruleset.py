@@ -113,6 +113,7 @@ def test_a_second_rule_set_leaves_the_first_alone(rules: RuleSet) -> None:
 def test_each_record_is_a_new_one(rules: RuleSet) -> None:
     rules.compiled()[0].stop_ticks = 1
 
+    assert rules.compiled().shape == (1,)
     assert rules.compiled()[0].stop_ticks == 75
 
 
