@@ -57,8 +57,8 @@ class Table1:
     seeds: tuple[int, ...] = (0, 1, 2, 3)  # of the warm-ups
     settings: LeagueSettings = field(default_factory=lambda: LeagueSettings(opponents=broad_mixture("plain")))
     lessons: Lessons = field(default_factory=lambda: Lessons(games=800, updates=4_000))
-    cai_games: int = 50_000  # that CAI learns from after it was distilled
-    # of models for both camps, so many learn on, and the best is CAI; where camps are split, one of each colour does
+    cai_games: int = 35_000  # that a student learns from after it was distilled
+    # of models for both camps so many learn on, and the best is CAI; where camps are split, one of each colour does
     students: int = 2
     # of CAI, where they differ from the league's: a longer training may change more
     cai_learner: Mapping[str, Any] = field(default_factory=lambda: dict(CAI_LEARNER))
