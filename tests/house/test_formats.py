@@ -28,7 +28,7 @@ from hexwar_sb3.algorithms.hierarchical import PLAIN_GAMMA
 from hexwar_sb3.algorithms.presets import FALLS, OF_POLICY
 from hexwar_sb3.engine import edit, replay_file, replay_lines, view
 from hexwar_sb3.engine.codes import Event
-from hexwar_sb3.engine.known_events import _DICE
+from hexwar_sb3.engine.known_events import DICE
 from hexwar_sb3.engine.orders import ORDERS, verb
 from hexwar_sb3.engine.records import PATH_CELLS
 from hexwar_sb3.engine.replay import MAX_SEED, PlayerName
@@ -347,7 +347,7 @@ def test_the_objects_of_a_view_are_told() -> None:
 def test_the_dice_are_marked() -> None:
     events = rows("replay", "Line `event`", "field")
 
-    assert {name for name, row in events.items() if row["meaning"].endswith("; dice")} == _DICE
+    assert {name for name, row in events.items() if row["meaning"].endswith("; dice")} == DICE
 
 
 def test_the_axes_of_the_arrays_are_told() -> None:

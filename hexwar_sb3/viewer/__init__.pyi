@@ -1,0 +1,5 @@
+from .page import replay_page as replay_page
+from .page import save_page as save_page
+from .show import Shown as Shown
+from .show import show as show
+from .story import stories as stories

@@ -1,0 +1,98 @@
+"""A small picture of how a game ended: for browsers that cannot run the page, and for pages that drop it."""
+
+from __future__ import annotations
+
+from io import BytesIO
+from typing import NamedTuple
+
+import numpy as np
+from PIL import Image, ImageDraw, ImageFont
+
+from hexwar_sb3.engine.replay import Replay
+from hexwar_sb3.engine.roster import SIDES, camp_name
+from hexwar_sb3.maps.hexmap import HexMap
+
+MAX_BYTES = 40_000
+_CELL = 10.0  # width, in dots
+_GROUND = ("#dfe5cf", "#d6dcc0", "#cdd0b0", "#c2c1a0", "#b5ae90", "#a89c82")  # from low to high
+_FOREST, _MARSH, _LAKE, _ROAD = "#9dba8f", "#b4d0c6", "#9fc3de", "#f6efdc"
+_COLOUR = {"red": "#c8321f", "blue": "#1f5fbf", "green": "#8a8f86"}
+_INK, _RIM = "#22262b", "#ffffff"
+
+
+class Token(NamedTuple):
+    """A piece on the picture."""
+
+    camp: str
+    cell: str
+    letter: str
+
+
+def last_picture(replay: Replay, camp: str | None = None) -> bytes:
+    """PNG of the map with the pieces at the end of a game, all of them or those that a camp knows."""
+    game = replay.game_at(replay.end["tick"])
+    views = [game.view(name) for name in map(camp_name, SIDES) if camp in (None, name)]
+    hexmap = game.world.scenario.hexmap
+    image = _ground(hexmap)
+    pen = ImageDraw.Draw(image)
+    for point in views[0].points:
+        _draw_point(
+            pen, _place(hexmap.parse_cell(point.cell), hexmap), point.owner, f"{point.name} {point.value}"
+        )
+    for view in views:
+        own = [piece for piece in view.own if piece.alive and piece.aboard is None]
+        tokens = [Token(view.camp, piece.cell, piece.kind[0].upper()) for piece in own]
+        if camp is not None:
+            tokens += [Token(one.name.split(":")[0], one.cell, one.kind[0].upper()) for one in view.seen]
+        for token in tokens:
+            _draw_token(pen, _place(hexmap.parse_cell(token.cell), hexmap), token)
+    return _small_png(image)
+
+
+def _place(cell: int, hexmap: HexMap) -> tuple[float, float]:
+    """Centre of a cell, in dots."""
+    y, x = divmod(cell, hexmap.width)
+    return (x + 0.5 + (y & 1) / 2) * _CELL, (y + 2 / 3) * _CELL * np.sqrt(3) / 2
+
+
+def _ground(hexmap: HexMap) -> Image.Image:
+    size = int(hexmap.width * _CELL), int((hexmap.height + 1 / 3) * _CELL * np.sqrt(3) / 2) + 1
+    image = Image.new("RGB", size, _RIM)
+    pen = ImageDraw.Draw(image)
+    step = max(1, int(hexmap.elev_m.max())) / (len(_GROUND) - 1)
+    for cell in map(int, np.flatnonzero(hexmap.playable)):
+        x, y = _place(cell, hexmap)
+        colour = _GROUND[round(int(hexmap.elev_m.flat[cell]) / step)]
+        for layer, other in ((hexmap.slushy, _MARSH), (hexmap.concealed, _FOREST), (hexmap.paved, _ROAD)):
+            colour = other if layer.flat[cell] else colour
+        colour = colour if hexmap.passable.flat[cell] else _LAKE
+        pen.regular_polygon((x, y, _CELL / np.sqrt(3) + 0.6), 6, rotation=0, fill=colour)
+    return image
+
+
+def _draw_point(pen: ImageDraw.ImageDraw, place: tuple[float, float], owner: str, text: str) -> None:
+    x, y = place
+    pen.regular_polygon((x, y, 9), 4, rotation=45, fill=_COLOUR[owner], outline=_RIM)
+    pen.text(
+        (x, y - 16), text, _INK, ImageFont.load_default(13), anchor="mm", stroke_width=2, stroke_fill=_RIM
+    )
+
+
+def _draw_token(pen: ImageDraw.ImageDraw, place: tuple[float, float], token: Token) -> None:
+    x, y = place
+    box = (x - 8, y - 8, x + 8, y + 8)
+    if token.camp == "red":
+        pen.rounded_rectangle(box, 3, _COLOUR["red"], _RIM, 2)
+    else:
+        pen.ellipse(box, _COLOUR["blue"], _RIM, 2)
+    pen.text((x, y), token.letter, _RIM, ImageFont.load_default(12), anchor="mm")
+
+
+def _small_png(image: Image.Image) -> bytes:
+    """Of few colours, and smaller until it fits."""
+    while True:
+        packed = BytesIO()
+        image.quantize(64, dither=Image.Dither.NONE).save(packed, format="png", optimize=True)
+        if packed.tell() <= MAX_BYTES:
+            return packed.getvalue()
+        image = image.resize((image.width * 3 // 4, image.height * 3 // 4), Image.Resampling.LANCZOS)
