@@ -3,7 +3,8 @@
 import { createHash } from "node:crypto";
 import { readFileSync, readdirSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
-import { defineConfig, type Plugin } from "vite";
+import type { Plugin } from "vite";
+import { defineConfig } from "vitest/config";
 
 const HERE = import.meta.dirname;
 const OUT = join(HERE, "../hexwar_sb3/viewer/built");

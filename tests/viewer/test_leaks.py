@@ -46,15 +46,15 @@ def test_reds_page_is_the_same_whatever_it_cannot_see(seed: int, blue: Plan, blo
     assert page_of(played(seed, blue, blood=blood, hides=hides)) == page_of(played(1, []))
 
 
-def true_margin(teller: Any, game: Game, events: Any, told: dict[str, Any]) -> None:
+def true_margin(game: Game, _: Any, told: dict[str, Any]) -> None:
     told.setdefault("extra", []).append(game.margin("red"))
 
 
-def hidden_length(teller: Any, game: Game, events: Any, told: dict[str, Any]) -> None:
+def hidden_length(_: Game, events: Any, told: dict[str, Any]) -> None:
     told.setdefault("extra", []).extend([0] * sum(event.kind != "arrived" for event in events))
 
 
-def seed_of_the_dice(teller: Any, game: Game, events: Any, told: dict[str, Any]) -> None:
+def seed_of_the_dice(game: Game, _: Any, told: dict[str, Any]) -> None:
     told["extra"] = game.seed
 
 
@@ -65,7 +65,7 @@ def test_a_planted_leak_is_found(leak: Callable[..., None], monkeypatch: pytest.
 
     def looks(self: Any, game: Game, events: Any) -> None:
         look(self, game, events)
-        leak(self, game, events, told.setdefault(id(self), {}))
+        leak(game, events, told.setdefault(id(self), {}))
 
     monkeypatch.setattr(camp_story.CampTeller, "look", looks)
     monkeypatch.setattr(

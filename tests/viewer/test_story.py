@@ -136,7 +136,7 @@ def test_orders_and_refusals_stand_in_the_story_of_their_camp() -> None:
     assert "no control point" in refused[0][1]
 
 
-def test_the_referees_story_comes_with_both_others(replay: Replay) -> None:
+def test_the_referees_story_comes_with_both_others() -> None:
     game = Game("plain", seed=0)
     short = Replay.of(game)
 
@@ -154,7 +154,7 @@ def test_a_long_name_is_cut_and_an_unknown_view_is_refused() -> None:
         stories(replay, ("rde",))
 
 
-def test_a_camps_own_record_cannot_be_told(replay: Replay) -> None:
+def test_a_camps_own_record_cannot_be_told() -> None:
     with pytest.raises(ReplayFileError, match="the record of red only; expected a whole replay"):
         stories(Replay.of(Game("plain", seed=0)).for_camp("red"))
 

@@ -70,6 +70,7 @@ export const KEYS: [string, string][] = [
   ["[ ]", "slower, faster"],
   ["1 2 3", "referee, red, blue"],
   ["b", "beliefs: where a side thinks its enemy is"],
+  ["g", "fog of a camp's view"],
   ["l", "line of sight of what is picked"],
   ["r", "ranges of the picked piece"],
   ["q", "policy of the picked piece"],

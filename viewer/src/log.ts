@@ -1,6 +1,6 @@
 // What happened, in lines: one a shot, with its dice and its luck. Timeline, log and map all read these.
 
-import { type HexMap, apart, cellName, parseCell } from "./hex";
+import { cellName, parseCell } from "./hex";
 import { CAMPS, type Camp, type EventDoc, valueAt } from "./story";
 import { type Game, other } from "./state";
 
@@ -63,6 +63,12 @@ function cellBefore(game: Game, name: string, tick: number): number {
   return carrier.cell;
 }
 
+/** Who was aboard a piece before the step that led to a tick. */
+function ridersOf(game: Game, name: string, tick: number): string[] {
+  const carrier = game.byName(name);
+  return game.pieces.filter((one) => carrier && game.shown(one, tick - 1).carrier === carrier.index).map((one) => one.name);
+}
+
 function* fire(game: Game): Generator<Entry> {
   const { events } = game.story;
   const told = new Set<EventDoc>(); // losses and deaths that stand with a shot
@@ -71,15 +77,15 @@ function* fire(game: Game): Generator<Entry> {
     const event = events[k];
     const now = events.slice(k + 1).filter((one) => one.tick === event.tick); // short: events are in order
     if (FIRE.has(event.kind) && event.target) {
-      const target = event.target;
-      for (const kind of ["loss", "suppressed", "dead"]) now.filter((one) => same(one, kind, target)).forEach((one) => told.add(one));
-      yield shot(game, event, now.some((one) => same(one, "dead", target)));
+      const hurt = [event.target, ...ridersOf(game, event.target, event.tick)];
+      for (const kind of ["loss", "suppressed", "dead"]) for (const one of now) if (hurt.some((name) => same(one, kind, name))) told.add(one);
+      yield shot(game, event, now.some((one) => same(one, "dead", hurt[0])), hurt.slice(1));
     } else if (event.kind === "mortar_fired" || event.kind === "mortar_landed") {
       const to = parseCell(game.map, event.cell ?? "");
       const landed = event.kind === "mortar_landed";
       const text = `${spoken(event.piece)} mortar ${landed ? `comes down in ${event.cell}${event.hit ? ", on target" : ""}` : `fired at ${event.cell}`}`;
       yield entry(event.tick, campOf(event.piece), "round", "fire", text, { from: cellBefore(game, event.piece, event.tick), to });
-    } else if (!told.has(event)) {
+    } else if (!told.has(event) && !(event.kind === "suppressed" && events.some((one) => one.tick === event.tick && same(one, "loss", event.piece)))) {
       const line = rest(game, event);
       if (line) yield line;
     }
@@ -96,27 +102,28 @@ function rest(game: Game, event: EventDoc): Entry | null {
   return SAID[event.kind] ? entry(event.tick, camp, "note", "rest", `${who} ${SAID[event.kind]}`, { to }) : null;
 }
 
-function shot(game: Game, event: EventDoc, dead: boolean): Entry {
-  const target = event.target ?? "";
+function shot(game: Game, event: EventDoc, dead: boolean, riders: string[]): Entry {
   const from = cellBefore(game, event.shooter ?? event.piece, event.tick);
   const to = parseCell(game.map, event.cell ?? "");
   const result = event.result ?? -1;
   const shape: Shape = dead ? "dead" : result > 0 ? "hit" : "miss";
   const luck = event.expected === undefined || event.lost === undefined ? null : event.lost - event.expected;
-  return entry(event.tick, campOf(event.piece), shape, "fire", shotText(game, event, dead), { from, to, luck, dead, result, tick: event.tick });
+  return entry(event.tick, campOf(event.piece), shape, "fire", shotText(game, event, dead, riders), { from, to, luck, dead, result });
+}
 
-  function shotText(game: Game, event: EventDoc, dead: boolean): string {
-    const weapon = event.kind === "guided" ? "guides HEAVY" : event.weapon ?? "";
-    const cells = event.cells_apart === undefined ? "" : `, ${event.cells_apart} ${event.cells_apart === 1 ? "cell" : "cells"}`;
-    const head = `${spoken(event.piece)} ${weapon} → ${spoken(target)}${cells}`;
-    const blood = Math.min(result, game.byName(target) ? game.story.rules.kinds[kindOf(game, target)].blood : result);
-    const end = dead ? "destroyed" : result > 0 ? `lost ${blood}` : result === 0 ? "suppressed" : "no effect";
-    if (event.roll === undefined) return `${head}: ${end}`;
-    const level = event.kind === "mortar_judged" ? (event.hit ? "on target" : "off target") : `level ${event.level}`;
-    const dice = `2d6 = ${event.roll} (${level}, ${signed(event.modifiers ?? 0)})`;
-    const points = event.lost ? ` = ${event.lost} points` : "";
-    return `${head}: expected ${event.expected?.toFixed(1)}, ${dice}, ${end}${points}`;
-  }
+/** "red tank1 GUN → blue chariot0, 3 cells: expected 7.4, 2d6 = 10 (level 7, +0), lost 2 = 22 points". */
+function shotText(game: Game, event: EventDoc, dead: boolean, riders: string[]): string {
+  const [target, result] = [event.target ?? "", event.result ?? -1];
+  const weapon = event.kind === "guided" ? "guides HEAVY" : (event.weapon ?? "");
+  const cells = event.cells_apart === undefined ? "" : `, ${event.cells_apart} ${event.cells_apart === 1 ? "cell" : "cells"}`;
+  const head = `${spoken(event.piece)} ${weapon} → ${spoken(target)}${cells}`;
+  const blood = Math.min(result, game.story.rules.kinds[kindOf(game, target)].blood);
+  const harm = dead ? "destroyed" : result > 0 ? `lost ${blood}` : result === 0 ? "suppressed" : "no effect";
+  const end = riders.length > 0 && result > 0 ? `${harm}, with ${riders.map((name) => name.split(":")[1]).join(", ")} aboard` : harm;
+  if (event.roll === undefined) return `${head}: ${end}`;
+  const level = event.kind === "mortar_judged" ? (event.hit ? "on target" : "off target") : `level ${event.level}`;
+  const dice = `2d6 = ${event.roll} (${level}, ${signed(event.modifiers ?? 0)})`;
+  return `${head}: expected ${event.expected?.toFixed(1)}, ${dice}, ${end}${event.lost ? ` = ${event.lost} points` : ""}`;
 }
 
 function kindOf(game: Game, name: string): string {
@@ -138,10 +145,10 @@ function* sights(game: Game): Generator<Entry> {
       const place = to < 0 ? "" : ` in ${cellName(game.map, to)}`;
       if (now === 1) {
         const text = `${seer} ${before === 0 ? "sees" : "sees again"} ${spoken(piece.name)}${place}`;
-        yield entry(tick, seer, before === 0 ? "sight" : "note", "sight", text, { to });
+        yield entry(tick, seer, before === 0 ? "sight" : "note", before === 0 ? "sight" : "rest", text, { to });
       } else if (now === 2) {
         const alive = piece.deadAt > tick;
-        if (alive) yield entry(tick, seer, "lost", "sight", `${seer} loses sight of ${spoken(piece.name)}`, { to });
+        if (alive) yield entry(tick, seer, "lost", "rest", `${seer} loses sight of ${spoken(piece.name)}`, { to });
       }
     }
   }
@@ -180,14 +187,4 @@ export function luckOf(game: Game, camp: Camp): LuckCurve {
     curve.sigma.push(Math.sqrt(variance));
   }
   return curve;
-}
-
-export function countUntil(ticks: number[], tick: number): number {
-  let k = 0;
-  while (k < ticks.length && ticks[k] <= tick) k++;
-  return k;
-}
-
-export function distance(map: HexMap, entry: Entry): number {
-  return entry.from >= 0 && entry.to >= 0 ? apart(map, entry.from, entry.to) : 0;
 }

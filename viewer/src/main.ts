@@ -162,7 +162,7 @@ class Page {
     if (playing && this.time >= this.game.last) this.time = 0;
     this.playing = playing;
     this.before = performance.now();
-    byId("play").textContent = playing ? "❚❚" : "▶";
+    byId("play").classList.toggle("on", playing);
     byId("play").setAttribute("aria-label", playing ? "Pause" : "Play");
     if (!playing) {
       this.time = Math.floor(this.time);
@@ -234,7 +234,7 @@ class Page {
     const minutes = `${Math.floor(state.tick / 60)}:${String(state.tick % 60).padStart(2, "0")}`;
     if (clock.dataset.tick !== String(state.tick)) {
       clock.dataset.tick = String(state.tick);
-      clock.replaceChildren("tick ", make("b", {}, String(state.tick)), ` of ${this.game.story.game_ticks}  (${minutes})`);
+      clock.replaceChildren("tick ", make("b", {}, String(state.tick)), make("span", { class: "of" }, ` of ${this.game.story.game_ticks}  (${minutes})`));
     }
     say(byId("speed"), `${this.speed}×`);
     const slider = byId("timeline");
@@ -264,7 +264,7 @@ class Page {
   private drawScore(scene: Scene): void {
     for (const camp of CAMPS) {
       const margin = scene.state.margin[camp];
-      say(byId(`margin-${camp}`), margin === undefined ? "?" : signed(margin));
+      say(byId(`margin-${camp}`), margin === undefined ? "" : signed(margin));
     }
   }
 
@@ -384,7 +384,6 @@ class Page {
       this.ask();
     });
     window.addEventListener("keydown", (event) => this.key(event));
-    byId("line").addEventListener("submit", (event) => this.command(event));
     byId("command").addEventListener("blur", () => (byId("line").hidden = true));
     this.listenMap();
     this.listenTimeline();
@@ -541,7 +540,8 @@ class Page {
   private key(event: KeyboardEvent): void {
     if (event.ctrlKey || event.altKey || event.metaKey) return;
     if (event.target instanceof HTMLInputElement) {
-      if (event.key === "Escape") byId("line").hidden = true;
+      if (event.key === "Enter") this.command();
+      else if (event.key === "Escape") byId("line").hidden = true;
       return;
     }
     if (byId<HTMLDialogElement>("keys").open) return;
@@ -569,8 +569,7 @@ class Page {
     input.focus();
   }
 
-  private command(event: Event): void {
-    event.preventDefault();
+  private command(): void {
     const text = byId<HTMLInputElement>("command").value;
     const camp = this.game.view === "blue" ? "blue" : "red";
     const command = readCommand(text, this.game, this.map, camp);

@@ -1,12 +1,12 @@
 // The layer between fog and pieces: control points, what was asked for (ranges, lines of sight, paths), fire, and beliefs.
 
 import type { Camera } from "./camera";
-import { CORNERS, type HexMap, type Point, ROW, STEPS, centre, cubeOf } from "./hex";
+import { type HexMap, type Point, ROW, STEPS, centre, cubeOf } from "./hex";
 import type { Entry } from "./log";
 import { fade, type Palette } from "./palette";
 import type { Game, Shown, State } from "./state";
 import type { Camp } from "./story";
-import { type Token, plate } from "./tokens";
+import { type Token, plate, plateWidth } from "./tokens";
 import { trace } from "./terrain";
 
 type Ctx = CanvasRenderingContext2D;
@@ -19,13 +19,25 @@ export function drawPoints(ctx: Ctx, game: Game, state: State, camera: Camera, p
     diamond(ctx, at, size + 2.5, "#ffffff");
     diamond(ctx, at, size, palette.camp[owner]);
     diamond(ctx, at, size * 0.45, "#ffffff");
-    const free = [[0, -1], [0, 1], [-1, 0], [1, 0]].map(([x, y]) => ({ x: at.x + x * (size + 44), y: at.y + y * (size + 15) }));
-    plate(ctx, `${name} ${value}`, free.find((place) => !covered(place, tokens)) ?? free[0], 12, palette);
+    const text = `${name} ${value}`;
+    const half = plateWidth(ctx, text, 12) / 2;
+    const places = PLACES.map(([x, y]) => ({ x: at.x + x * (size + 5 + half), y: at.y + y * (size + 13) }));
+    const best = places.reduce((a, b) => (covered(b, half, tokens) < covered(a, half, tokens) ? b : a));
+    plate(ctx, text, best, 12, palette);
   }
 }
 
-function covered(place: Point, tokens: Token[]): boolean {
-  return tokens.some((one) => Math.abs(one.at.x - place.x) < one.size + 36 && Math.abs(one.at.y - place.y) < one.size + 12);
+const PLACES = [[0, -1], [0, 1.15], [1, 0], [-1, 0], [0.7, -0.8], [-0.7, -0.8], [0.7, 0.9], [-0.7, 0.9], [0, -2], [0, 2.2]];
+
+/** How much of a text in a place lies under tokens. */
+function covered(place: Point, half: number, tokens: Token[]): number {
+  let sum = 0;
+  for (const one of tokens) {
+    const x = half + one.size + 4 - Math.abs(one.at.x - place.x);
+    const y = 9 + one.size + 4 - Math.abs(one.at.y + 3 - place.y);
+    if (x > 0 && y > 0) sum += x * y;
+  }
+  return sum;
 }
 
 function diamond(ctx: Ctx, at: Point, size: number, colour: string): void {
@@ -264,5 +276,3 @@ export function drawError(ctx: Ctx, ghost: Point, truth: Point, colour: string):
   }
   ctx.setLineDash([]);
 }
-
-export { CORNERS };

@@ -6,7 +6,7 @@ import { type Entry, type Group, type LuckCurve, signed, spoken } from "./log";
 import type { Palette } from "./palette";
 import type { Sight } from "./los";
 import type { Game, Piece, Shown, State } from "./state";
-import { CAMPS, type Camp, type Choice, changeAt, valueAt } from "./story";
+import { CAMPS, type Camp, type Choice, valueAt } from "./story";
 import { drawLuck, mark, markName } from "./timeline";
 
 export interface Scene {
@@ -35,17 +35,20 @@ const TIMERS: [string, string][] = [
 // --- pieces ---------------------------------------------------------------------------------------
 
 export function piecesPanel(panel: HTMLElement, scene: Scene): void {
-  const key = `pieces ${scene.state.tick} ${scene.picked?.index} ${scene.cell} ${scene.hover >= 0 ? scene.hover : ""}`;
-  if (panel.dataset.key === key) return;
-  const first = !panel.dataset.key?.startsWith("pieces");
-  panel.dataset.key = key;
-  const card = scene.picked ? pieceCard(scene, scene.picked) : scene.cell >= 0 ? cellCard(scene, scene.cell) : hint();
-  const table = pieceTable(scene);
-  if (first) panel.replaceChildren(make("div", { id: "card" }), make("div", { id: "table" }));
-  byId("card").replaceChildren(card);
-  const focused = document.activeElement?.getAttribute("data-piece");
-  byId("table").replaceChildren(table);
-  if (focused) panel.querySelector<HTMLElement>(`[data-piece="${CSS.escape(focused)}"]`)?.focus();
+  const { game, state } = scene;
+  const built = `pieces ${game.view}`;
+  if (panel.dataset.key !== built) {
+    panel.dataset.key = built;
+    panel.replaceChildren(make("div", { id: "card" }), pieceTable(scene));
+  }
+  const card = byId("card");
+  const key = scene.picked || scene.cell >= 0 ? `${state.tick} ${scene.picked?.index} ${scene.cell} ${scene.hover}` : "";
+  if (card.dataset.key !== key) {
+    card.dataset.key = key;
+    card.replaceChildren(scene.picked ? pieceCard(scene, scene.picked) : scene.cell >= 0 ? cellCard(scene, scene.cell) : hint());
+  }
+  say(byId("caption"), `Pieces at tick ${state.tick}, ${game.view === "referee" ? "as they are" : `as ${game.view} knows them`}`);
+  for (const shown of state.pieces) updateRow(byId(`row-${shown.piece.index}`), scene, shown);
   const canvas = panel.querySelector<HTMLCanvasElement>("#profile");
   if (canvas) drawProfile(canvas, scene);
 }
@@ -55,22 +58,28 @@ function hint(): HTMLElement {
 }
 
 function pieceTable(scene: Scene): HTMLElement {
-  const { game, state } = scene;
-  const rows = state.pieces.map((shown) => pieceRow(scene, shown));
   const head = make("tr", {}, ...["piece", "cell", "blood", "does"].map((name) => make("th", { scope: "col" }, name)));
-  const caption = make("caption", { class: "soft small" }, `Pieces at tick ${state.tick}, ${game.view === "referee" ? "as they are" : `as ${game.view} knows them`}`);
-  return make("table", {}, caption, make("thead", {}, head), make("tbody", {}, ...rows));
+  const rows = scene.game.pieces.map((piece) => pieceRow(scene, piece));
+  return make("table", {}, make("caption", { id: "caption", class: "soft small" }), make("thead", {}, head), make("tbody", {}, ...rows));
 }
 
-function pieceRow(scene: Scene, shown: Shown): HTMLElement {
-  const { game } = scene;
-  const { piece } = shown;
-  const button = make("button", { class: "link", type: "button", "data-piece": piece.name, "aria-label": spoken(piece.name) }, badge(piece.camp, piece.letter), make("span", {}, piece.short));
+function pieceRow(scene: Scene, piece: Piece): HTMLElement {
+  const button = make("button", { class: "link", type: "button", "aria-label": spoken(piece.name) }, badge(piece.camp, piece.letter), make("span", {}, piece.short));
   button.addEventListener("click", () => scene.pick(piece));
-  const classes = [shown.blood === 0 ? "gone" : "", scene.picked === piece ? "picked" : ""].join(" ");
-  const where = shown.cell < 0 ? "?" : cellName(game.map, shown.cell);
-  const blood = shown.how === "never" ? "?" : bars(shown.blood, game.story.rules.kinds[piece.kind].blood);
-  return make("tr", { class: classes }, make("td", {}, button), make("td", {}, where), make("td", {}, blood), make("td", {}, saidOf(game, shown, scene.state.tick)));
+  return make("tr", { id: `row-${piece.index}` }, make("td", {}, button), make("td"), make("td"), make("td"));
+}
+
+function updateRow(row: HTMLElement, scene: Scene, shown: Shown): void {
+  const { game, state } = scene;
+  const [, where, blood, does] = row.children as unknown as HTMLElement[];
+  const name = [shown.blood === 0 ? "gone" : "", scene.picked === shown.piece ? "picked" : ""].join(" ").trim();
+  if (row.className !== name) row.className = name;
+  say(where, shown.cell < 0 ? "?" : cellName(game.map, shown.cell));
+  say(does, saidOf(game, shown, state.tick));
+  const left = shown.how === "never" ? "?" : String(shown.blood);
+  if (blood.dataset.left === left) return;
+  blood.dataset.left = left;
+  blood.replaceChildren(shown.how === "never" ? "?" : bars(shown.blood, game.story.rules.kinds[shown.piece.kind].blood));
 }
 
 function saidOf(game: Game, shown: Shown, tick: number): string {
@@ -231,8 +240,8 @@ function drawProfile(canvas: HTMLCanvasElement, scene: Scene): void {
 
 // --- log ------------------------------------------------------------------------------------------
 
-const GROUPS: [Group, string][] = [["fire", "Fire"], ["sight", "Sightings"], ["orders", "Orders"], ["rest", "Other"]];
-const shownGroups = new Set<Group>(["fire", "sight", "rest"]);
+const GROUPS: [Group, string][] = [["fire", "Fire"], ["sight", "First sights"], ["orders", "Orders"], ["rest", "More"]];
+const shownGroups = new Set<Group>(["fire", "sight"]);
 const MOST_ROWS = 600;
 
 export function logPanel(panel: HTMLElement, scene: Scene, follow: boolean): void {
@@ -293,7 +302,9 @@ function logRow(scene: Scene, one: Entry): HTMLElement {
   const ctx = icon.getContext("2d");
   ctx?.setTransform(scene.ratio, 0, 0, scene.ratio, 0, 0);
   if (ctx) mark(ctx, one, { x: 8, y: 8 }, scene.palette);
-  const text = make("span", { class: `t-${one.camp}` }, one.text);
+  const words = one.text.split(" ");
+  const actor = /^(red|blue) (sees|loses|takes)/.test(one.text) ? 1 : 2;
+  const text = make("span", {}, make("b", { class: `t-${one.camp}` }, words.slice(0, actor).join(" ")), ` ${words.slice(actor).join(" ")}`);
   if (one.luck !== null) text.append(make("span", { class: "luck" }, ` [${signed(one.luck, 1)}]`));
   const row = make("button", { type: "button", "data-tick": String(one.tick) }, make("span", { class: "tick" }, String(one.tick)), icon, text);
   row.addEventListener("click", () => scene.seek(one.tick));
@@ -341,11 +352,11 @@ export function policyPanel(panel: HTMLElement, scene: Scene): void {
   } else if (!scene.picked || !decision) {
     panel.replaceChildren(make("p", { class: "soft" }, `Pick a piece of ${known.join(" or ")} to see its tasks and their values.`));
   } else {
-    panel.replaceChildren(...taskList(scene, scene.picked, decision), ...reward(scene, scene.picked));
+    panel.replaceChildren(...taskList(scene.picked, decision), ...reward(scene, scene.picked));
   }
 }
 
-function taskList(scene: Scene, piece: Piece, decision: Decision): HTMLElement[] {
+function taskList(piece: Piece, decision: Decision): HTMLElement[] {
   const [, chosen, tasks, q, way] = decision.choice;
   const base = q[chosen] ?? 0;
   const most = Math.max(1, ...q.map((value) => Math.abs(value - base)));
@@ -380,9 +391,4 @@ function reward(scene: Scene, piece: Piece): HTMLElement[] {
   if (!last) return [];
   const parts = Object.entries(last[2]).map(([term, value]): [string, string] => [term, signed(value)]);
   return [make("h3", {}, `Reward since its last decision, tick ${last[0]}`), facts(parts)];
-}
-
-export function beliefAge(scene: Scene, piece: Piece): number {
-  const { state } = scene.game.belief(piece.camp, piece.name);
-  return state ? changeAt(state, scene.state.tick) : -1;
 }

@@ -1,7 +1,7 @@
 // What stands where at a tick: a pure function of a story. Everything that is drawn or said comes from here.
 
 import { centre, type HexMap, type Point } from "./hex";
-import { type BeliefDoc, CAMPS, type Camp, changeAt, type Changes, type OwnDoc, type StoryDoc, tickOf, valueAt, type View } from "./story";
+import { type BeliefDoc, CAMPS, type Camp, type Changes, type OwnDoc, type StoryDoc, tickOf, valueAt, type View } from "./story";
 
 export interface Piece {
   index: number;
@@ -193,9 +193,4 @@ export function hopAt(own: OwnDoc, time: number): number[] | null {
 
 function between(a: Point, b: Point, share: number): Point {
   return { x: a.x + (b.x - a.x) * share, y: a.y + (b.y - a.y) * share };
-}
-
-/** How often a list changed until a tick: to tell whether two ticks look alike. */
-export function stepsUntil(list: Changes<unknown>, tick: number): number {
-  return changeAt(list, tick);
 }

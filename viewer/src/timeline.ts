@@ -2,7 +2,7 @@
 
 import type { Entry, LuckCurve } from "./log";
 import { fade, type Palette } from "./palette";
-import { CAMPS, type Camp, changeAt, type Changes } from "./story";
+import { CAMPS, type Camp, type Changes } from "./story";
 import { outline } from "./tokens";
 
 const LANE = 15; // height of a camp's lane of marks
@@ -104,7 +104,7 @@ export class Timeline {
     ctx.font = "11px system-ui, sans-serif";
     ctx.textBaseline = "middle";
     ctx.fillStyle = palette.soft;
-    const step = high - low > 300 ? 200 : high - low > 120 ? 100 : 50;
+    const step = high - low > 500 ? 200 : high - low > 220 ? 100 : 50;
     for (let value = Math.ceil(low / step) * step; value <= high; value += step) {
       line(ctx, LEFT, y(value), 0, value === 0 ? palette.soft : palette.line, 1, width - RIGHT);
       ctx.textAlign = "right";
@@ -112,7 +112,10 @@ export class Timeline {
     }
     ctx.textAlign = "center";
     const every = width < 560 ? 600 : 300;
-    for (let tick = 0; tick <= this.gameTicks; tick += every) ctx.fillText(String(tick), this.x(tick), height - 6);
+    for (let tick = 0; tick <= this.gameTicks; tick += every) {
+      ctx.textAlign = this.x(tick) > width - 24 ? "right" : "center";
+      ctx.fillText(String(tick), this.x(tick) + (ctx.textAlign === "right" ? RIGHT : 0), height - 6);
+    }
   }
 
   private curve(ctx: CanvasRenderingContext2D, camp: Camp, y: (v: number) => number, palette: Palette): void {
@@ -269,8 +272,4 @@ function step(ctx: CanvasRenderingContext2D, ticks: number[], values: number[], 
     ctx.lineTo(x(tick), y(values[k]));
   });
   ctx.lineTo(x(last), y(values[values.length - 1]));
-}
-
-export function marginAt(list: Changes<number> | undefined, tick: number): number | null {
-  return list ? (list[2 * Math.max(0, changeAt(list, tick)) + 1] as number) : null;
 }

@@ -56,7 +56,7 @@ function spread(tokens: Token[]): void {
 }
 
 function part(a: Token, b: Token, i: number, j: number): boolean {
-  const wanted = (a.size + b.size) * 1.06;
+  const wanted = (a.size + b.size) * 1.06 + (a.ghost || b.ghost ? 9 : 2);
   let dx = b.at.x - a.at.x;
   let dy = b.at.y - a.at.y;
   let apart = Math.hypot(dx, dy);
@@ -209,11 +209,16 @@ function rider(ctx: CanvasRenderingContext2D, one: Token, colour: string, palett
   letter(ctx, one.rider?.piece.letter ?? "", at, size, colour);
 }
 
-export function plate(ctx: CanvasRenderingContext2D, text: string, at: Point, size: number, palette: Palette, weight = 600): void {
+export function plateWidth(ctx: CanvasRenderingContext2D, text: string, size: number, weight = 600): number {
   ctx.font = `${weight} ${size}px system-ui, -apple-system, "Segoe UI", sans-serif`;
+  return ctx.measureText(text).width + size * 0.7;
+}
+
+/** A text on a plate. */
+export function plate(ctx: CanvasRenderingContext2D, text: string, at: Point, size: number, palette: Palette, weight = 600): void {
+  const width = plateWidth(ctx, text, size, weight);
   ctx.textAlign = "center";
   ctx.textBaseline = "middle";
-  const width = ctx.measureText(text).width + size * 0.7;
   ctx.beginPath();
   ctx.roundRect(at.x - width / 2, at.y - size * 0.72, width, size * 1.44, size * 0.4);
   ctx.fillStyle = palette.plate;
