@@ -32,8 +32,8 @@ class CampTeller:
         self._looked_at = b""
         self._memory: Rows | None = None
 
-    def look(self, game: Game, events: Sequence[GameEvent]) -> None:
-        """The game at one tick more, and the events that led there."""
+    def look(self, game: Game, events: Sequence[GameEvent]) -> bool:
+        """The game at one tick more, and the events that led there; says whether the camp found anything new."""
         memory = game.state.memory[0, self.side]
         before = memory if self._memory is None else self._memory
         known = (event for event in events if is_known(event, self.side, self.roster, before, memory))
@@ -41,9 +41,11 @@ class CampTeller:
         self._memory = memory.copy()
         self.last = game.tick
         found = self._fingerprint(game)
-        if found != self._looked_at:  # a view takes its time, and mostly nothing is new
-            self._looked_at = found
-            self.tracks.note(game.view(self.camp))
+        if found == self._looked_at:
+            return False  # a view takes its time, and mostly nothing is new
+        self._looked_at = found
+        self.tracks.note(game.view(self.camp))
+        return True
 
     def _fingerprint(self, game: Game) -> bytes:
         """Bytes of all that a view is made of, but the clock."""

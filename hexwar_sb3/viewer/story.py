@@ -79,9 +79,10 @@ class Teller:
             before = game.pieces.copy()
 
     def _look(self, game: Game, events: list[GameEvent], before: np.recarray | None) -> None:
-        for camp, teller in self.camps.items():
-            teller.look(game, events)
-            self.margins[camp].note(game.tick, game.margin(camp))
+        new = [teller.look(game, events) for teller in self.camps.values()]
+        if any(new):
+            for camp, margins in self.margins.items():
+                margins.note(game.tick, game.margin(camp))
         if before is not None and events:
             luck = judge_shots(events, before, self.world, self.roster)
             self.events += [

@@ -100,7 +100,6 @@ def test_the_page_opens_draws_the_truth_and_asks_for_nothing(replay: Replay, tmp
     result = run(page, truth(replay, 60), SPEED=os.environ.get("SPEED", "no"))
 
     assert result.returncode == 0, result.stderr
-    print(result.stdout)
 
 
 def test_a_page_that_draws_something_else_is_found(replay: Replay, tmp_path: Path) -> None:

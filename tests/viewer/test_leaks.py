@@ -63,9 +63,10 @@ def test_a_planted_leak_is_found(leak: Callable[..., None], monkeypatch: pytest.
     look, document = camp_story.CampTeller.look, camp_story.CampTeller.document
     told: dict[int, dict[str, Any]] = {}
 
-    def looks(self: Any, game: Game, events: Any) -> None:
-        look(self, game, events)
+    def looks(self: Any, game: Game, events: Any) -> bool:
+        new = look(self, game, events)
         leak(game, events, told.setdefault(id(self), {}))
+        return new
 
     monkeypatch.setattr(camp_story.CampTeller, "look", looks)
     monkeypatch.setattr(
