@@ -1,5 +1,6 @@
 // A page in a real Chromium, offline: node e2e/run.mjs PAGE TRUTH.json
 // TRUTH.json is made by tests/viewer/test_browser.py: what the game says at some ticks. Prints figures as JSON; fails with what differs.
+// SPEED=no leaves out the times, ONLY=compare all but the comparison, CHROMIUM names the browser.
 
 import { execSync } from "node:child_process";
 import { readFileSync } from "node:fs";
@@ -112,13 +113,30 @@ async function keys(page, frame) {
   check((await tick()) === 577, `command t 577: tick ${await tick()}`);
 }
 
+/** What axe finds that is serious: in each tab, in light and in dark. */
+async function readable(page, frame) {
+  await frame.evaluate(readFileSync(new URL("../node_modules/axe-core/axe.min.js", import.meta.url), "utf8"));
+  for (const colorScheme of ["light", "dark"]) {
+    await page.emulateMedia({ colorScheme });
+    for (const tab of ["pieces", "log", "policy"]) {
+      await frame.click(`#tab-${tab}`);
+      await page.waitForTimeout(100);
+      const found = await frame.evaluate(() => window.axe.run(document, { resultTypes: ["violations"] }));
+      for (const one of found.violations.filter(({ impact }) => impact === "serious" || impact === "critical")) {
+        problems.push(`axe, ${tab}, ${colorScheme}: ${one.id}: ${one.nodes.slice(0, 3).map((node) => `${node.target} ${node.any.map(({ message }) => message).join("; ")}`).join(" | ")}`);
+      }
+    }
+  }
+}
+
 const browser = await chromium.launch({ executablePath, args: ["--no-sandbox"] });
 const figures = {};
 try {
   const main = await open(browser, fromFile, "file");
   figures.firstFrameMs = Math.round(main.firstFrameMs);
   figures.compared = await compare(main.frame);
-  if (process.env.SPEED !== "no") {
+  const only = process.env.ONLY === "compare"; // for many games
+  if (!only && process.env.SPEED !== "no") {
     for (const view of ["referee", "red"].filter((view) => view in truth.views)) {
       const { frames, seeks } = await speed(main.frame, view);
       figures[view] = { frames: frames.length, frameMedianMs: percentile(frames, 0.5), frameP95Ms: percentile(frames, 0.95), seekP95Ms: percentile(seeks, 0.95) };
@@ -126,9 +144,10 @@ try {
       check(figures[view].seekP95Ms < BARS.seekMs, `${view}: p95 of a seek ${figures[view].seekP95Ms} ms`);
     }
   }
-  await keys(main.page, main.frame);
+  if (!only) await keys(main.page, main.frame);
+  if (!only) await readable(main.page, main.frame);
   await main.context.close();
-  for (const [name, sandbox] of [["srcdoc", ""], ["sandboxed", "allow-scripts"]]) {
+  for (const [name, sandbox] of only ? [] : [["srcdoc", ""], ["sandboxed", "allow-scripts"]]) {
     const one = await open(browser, framed(sandbox), name);
     figures[`${name}FirstFrameMs`] = Math.round(one.firstFrameMs);
     await keys(one.page, one.frame);

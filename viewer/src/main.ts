@@ -5,7 +5,7 @@ import { KEYS, type Moment, SPEEDS, readCommand, readMoment, writeMoment } from 
 import { type HexMap, cellName, centre, parseCell, readMap } from "./hex";
 import { type Entry, entriesOf, luckOf, signed, spoken } from "./log";
 import { paletteOf } from "./palette";
-import { type Scene, type Tab, ground, logPanel, piecesPanel, policyPanel } from "./panels";
+import { type Scene, type Tab, ground, logPanel, mindsOf, piecesPanel, policyPanel } from "./panels";
 import { Stage } from "./stage";
 import { Game, type Piece } from "./state";
 import { CAMPS, type Camp, type View, loadMap, loadStory, viewsOf } from "./story";
@@ -87,7 +87,7 @@ class Page {
     const { game } = this;
     const shown = this.still.matches ? Math.floor(time) : time;
     return {
-      game, state: game.at(shown), time: shown, picked: this.picked, cell: this.cell, hover: this.hover, entries: this.list(),
+      game, state: game.at(shown, this.still.matches), time: shown, picked: this.picked, cell: this.cell, hover: this.hover, entries: this.list(),
       luck: game.view === "referee" ? this.luck : {}, palette: paletteOf(this.dark), ratio: this.ratio, sight: this.stage.sight,
       pick: (piece) => this.pick(piece), seek: (tick) => this.seek(tick), point: (entry) => this.pointAt(entry),
     };
@@ -221,11 +221,21 @@ class Page {
     const hot = this.hot && this.hot.to >= 0 ? { shape: "arrow" as const, from: this.hot.from, to: this.hot.to } : null;
     const policy = this.on.policy && this.tab === "policy";
     this.stage.draw(scene, { ...this.on, policy, fireTicks: Math.max(FIRE_TICKS, this.speed * 0.9) }, hot);
+    this.timeline.minds = this.picked ? { camp: this.picked.camp, ticks: this.minds() } : null;
     this.timeline.draw(scene.time, scene.palette, this.ratio, this.muted);
     this.drawTexts(scene, now);
     this.costs.push(performance.now() - start);
     if (this.costs.length > 5000) this.costs.splice(0, 1000);
   }
+
+  private minds(): number[] {
+    const key = `${this.game.view} ${this.picked?.index}`;
+    if (this.mindKey !== key) [this.mindKey, this.mindTicks] = [key, mindsOf(this.game, this.picked)];
+    return this.mindTicks;
+  }
+
+  private mindKey = "";
+  private mindTicks: number[] = [];
 
   private drawTexts(scene: Scene, now: number): void {
     const { state } = scene;
@@ -266,6 +276,11 @@ class Page {
       const margin = scene.state.margin[camp];
       say(byId(`margin-${camp}`), margin === undefined ? "" : signed(margin));
     }
+    const { view, story, last } = this.game;
+    const winner = story.end?.winner;
+    const result = !winner || scene.state.tick < last ? "" : winner === "draw" ? ", a draw" : `, ${winner} wins`;
+    const what = view === "referee" ? `${story.scenario}, seed …${story.seed?.slice(-6)}${result}` : `${story.scenario}, margin as ${view} knows it`;
+    say(byId("what"), what);
   }
 
   private chase(scene: Scene): void {
@@ -307,11 +322,10 @@ class Page {
     const side = (camp: Camp) => {
       const { name, kind } = story.players[camp];
       const who = make("span", { class: "who" }, make("bdi", { class: "name", title: name }, name), make("span", { class: "kind" }, `${camp}${kind ? `, ${kind}` : ""}`));
-      const margin = make("span", { class: "margin", id: `margin-${camp}`, "aria-label": `margin of ${camp}` });
+      const margin = make("span", { class: "margin", id: `margin-${camp}` });
       return make("div", { class: `side ${camp}` }, badge(camp, camp[0].toUpperCase()), who, margin);
     };
-    const seed = story.seed ? `, seed ${story.seed.length > 9 ? `…${story.seed.slice(-6)}` : story.seed}` : "";
-    const what = make("span", { class: "what", title: story.seed ? `seed ${story.seed}` : "" }, `${story.scenario}${seed}`);
+    const what = make("span", { class: "what", id: "what", title: story.seed ? `seed ${story.seed}` : "" });
     byId("score").replaceChildren(side("red"), make("span", { class: "versus" }, "against"), side("blue"), what);
     for (const [k, view] of views.entries()) {
       const button = make("button", { type: "button", id: `view-${view}`, title: `${k + 1}` }, view[0].toUpperCase() + view.slice(1));

@@ -255,9 +255,12 @@ export function drawReach(ctx: Ctx, game: Game, ghost: Shown, camera: Camera, pa
   const colour = palette.camp[ghost.piece.camp];
   ctx.fillStyle = fade(colour, picked ? 0.12 : 0.05);
   ctx.fill();
-  ctx.setLineDash([5, 5]);
-  ctx.lineWidth = picked ? 1.8 : 1;
-  ctx.strokeStyle = fade(colour, picked ? 0.9 : 0.5);
+  ctx.lineWidth = picked ? 3.6 : 2.6;
+  ctx.strokeStyle = "rgba(255,255,255,0.3)";
+  ctx.stroke();
+  ctx.setLineDash([6, 5]);
+  ctx.lineWidth = picked ? 2 : 1.3;
+  ctx.strokeStyle = fade(colour, picked ? 1 : 0.8);
   ctx.stroke();
   ctx.setLineDash([]);
 }

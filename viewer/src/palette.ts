@@ -30,8 +30,8 @@ export interface Palette {
 
 const LIGHT: Palette = {
   dark: false,
-  ground: ["#eef1e3", "#e8ead8", "#e0e0ca", "#d6d2ba", "#cac2a9", "#bdb19b", "#b0a392"],
-  forest: "#b9d2ab",
+  ground: ["#ebeee0", "#e5e7d4", "#dddcc5", "#d3ceb5", "#c8bfa5", "#bcaf98", "#b0a28f"],
+  forest: "#adcb9e",
   tree: "#7fa374",
   marsh: "#cbe3dd",
   rush: "#8fb8ac",

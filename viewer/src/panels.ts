@@ -64,7 +64,7 @@ function pieceTable(scene: Scene): HTMLElement {
 }
 
 function pieceRow(scene: Scene, piece: Piece): HTMLElement {
-  const button = make("button", { class: "link", type: "button", "aria-label": spoken(piece.name) }, badge(piece.camp, piece.letter), make("span", {}, piece.short));
+  const button = make("button", { class: "link", type: "button" }, badge(piece.camp, piece.letter), make("span", {}, make("span", { class: "unseen" }, `${piece.camp} `), piece.short));
   button.addEventListener("click", () => scene.pick(piece));
   return make("tr", { id: `row-${piece.index}` }, make("td", {}, button), make("td"), make("td"), make("td"));
 }
@@ -75,20 +75,20 @@ function updateRow(row: HTMLElement, scene: Scene, shown: Shown): void {
   const name = [shown.blood === 0 ? "gone" : "", scene.picked === shown.piece ? "picked" : ""].join(" ").trim();
   if (row.className !== name) row.className = name;
   say(where, shown.cell < 0 ? "?" : cellName(game.map, shown.cell));
-  say(does, saidOf(game, shown, state.tick));
+  say(does, saidOf(game, shown, state.tick, false));
   const left = shown.how === "never" ? "?" : String(shown.blood);
   if (blood.dataset.left === left) return;
   blood.dataset.left = left;
   blood.replaceChildren(shown.how === "never" ? "?" : bars(shown.blood, game.story.rules.kinds[shown.piece.kind].blood));
 }
 
-function saidOf(game: Game, shown: Shown, tick: number): string {
+function saidOf(game: Game, shown: Shown, tick: number, withGoal: boolean): string {
   if (shown.how === "never") return "never seen";
   if (shown.blood === 0) return "destroyed";
   if (shown.how === "lost") return `seen ${shown.age} ticks ago`;
   const doing = shown.how === "own" ? game.doing(shown.piece, tick) : shown.moving ? "moving" : "stands";
   const path = game.path(shown.piece, tick);
-  const goal = doing === "moving" && path.length ? ` to ${cellName(game.map, path[path.length - 1])}` : "";
+  const goal = withGoal && doing === "moving" && path.length ? ` to ${cellName(game.map, path[path.length - 1])}` : "";
   const states = [shown.hidden ? "hidden" : "", shown.suppressed ? "suppressed" : ""].filter((word) => word && word !== doing);
   return [doing + goal, ...states].join(", ");
 }
@@ -99,13 +99,13 @@ function pieceCard(scene: Scene, piece: Piece): HTMLElement {
   const kind = game.story.rules.kinds[piece.kind];
   const rows: [string, string | HTMLElement | null][] = [
     ["where", shown.cell < 0 ? "not known" : place(scene, shown)],
-    ["does", saidOf(game, shown, state.tick)],
+    ["does", saidOf(game, shown, state.tick, true)],
     ["blood", shown.how === "never" ? "" : `${shown.blood} of ${kind.blood}, ${kind.value} points each`],
   ];
   if (piece.own && shown.blood > 0) rows.push(...ownRows(scene, piece));
   if (shown.blood > 0 && shown.how !== "never") {
     const seers = game.seenBy(piece, state.tick).map((one) => spoken(one.name));
-    rows.push(["seen by", game.view === "referee" || piece.camp !== game.view ? seers.join(", ") || "nobody" : ""]);
+    if (shown.how === "own" || seers.length) rows.push(["seen by", game.view === "referee" || piece.camp !== game.view ? seers.join(", ") || "nobody" : ""]);
   }
   if (game.view === "referee") rows.push(["believed", believed(scene, piece)]);
   const box = make("section", {}, make("h2", {}, badge(piece.camp, piece.letter), spoken(piece.name)), facts(rows));
@@ -330,6 +330,20 @@ export function decisionOf(game: Game, piece: Piece, tick: number): Decision | n
     if (choice) return { tick: made[k][0], choice, tasks: policy.tasks };
   }
   return null;
+}
+
+/** Ticks at which a piece chose another task than before. */
+export function mindsOf(game: Game, piece: Piece | null): number[] {
+  const policy = piece ? game.story.policy[piece.camp] : undefined;
+  const found: number[] = [];
+  let before = -1;
+  for (const [tick, choices] of policy?.decisions ?? []) {
+    const choice = choices.find(([index]) => index === piece?.index);
+    const task = choice ? choice[2][choice[1]] : before;
+    if (before >= 0 && task !== before) found.push(tick);
+    before = task;
+  }
+  return found;
 }
 
 /** The cell that a task's text names, -1 where it names none. */

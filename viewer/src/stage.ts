@@ -151,15 +151,17 @@ export class Stage {
       const reach = shown ? game.story.rules.kinds[shown.piece.kind].sight.tank : 25;
       drawSight(ctx, game.map, this.sight.field(from, reach, flies), this.camera, palette);
     }
+    if (choices.policy && !picked) for (const one of state.pieces) this.drawChoice(ctx, scene, one, false);
     if (scene.cell >= 0) drawCell(ctx, game.map, scene.cell, this.camera, palette);
     if (!shown || shown.blood === 0 || shown.cell < 0) return;
     if (choices.ranges) drawRanges(ctx, game, shown, this.camera, palette);
     drawPath(ctx, game.map, shown.at, game.path(shown.piece, state.tick), this.camera, palette.camp[shown.piece.camp]);
-    if (choices.policy) this.drawChoice(ctx, scene, shown);
+    if (choices.policy) this.drawChoice(ctx, scene, shown, true);
   }
 
   /** From a piece to where its chosen task leads. */
-  private drawChoice(ctx: CanvasRenderingContext2D, scene: Scene, shown: Shown): void {
+  private drawChoice(ctx: CanvasRenderingContext2D, scene: Scene, shown: Shown, alone: boolean): void {
+    if (shown.blood === 0 || shown.carrier >= 0 || shown.cell < 0) return;
     const decision = decisionOf(scene.game, shown.piece, scene.state.tick);
     if (!decision) return;
     const text = decision.tasks[decision.choice[2][decision.choice[1]]] ?? "";
@@ -168,9 +170,9 @@ export class Stage {
     const place = target ? target.at : goal >= 0 ? centre(scene.game.map, goal) : null;
     if (!place || (target && target.cell < 0)) return;
     const [a, b] = [this.camera.toScreen(shown.at), this.camera.toScreen(place)];
-    arrow(ctx, a, b, fade("#ffffff", 0.85), 6);
-    arrow(ctx, a, b, scene.palette.camp[shown.piece.camp], 3.2);
-    plate(ctx, text, { x: (a.x + b.x) / 2, y: (a.y + b.y) / 2 - 12 }, 12, scene.palette);
+    arrow(ctx, a, b, fade("#ffffff", 0.85), alone ? 6 : 3);
+    arrow(ctx, a, b, scene.palette.camp[shown.piece.camp], alone ? 3.2 : 1.4);
+    if (alone) plate(ctx, text, { x: (a.x + b.x) / 2, y: (a.y + b.y) / 2 - 12 }, 12, scene.palette);
   }
 
   private drawBeliefs(ctx: CanvasRenderingContext2D, scene: Scene, away: Set<Shown>): void {

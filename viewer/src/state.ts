@@ -72,7 +72,8 @@ export class Game {
     return this.pieces.find((piece) => piece.name === name);
   }
 
-  at(time: number): State {
+  /** still: pieces stand in their cells, and jump to the next when they arrive. */
+  at(time: number, still = false): State {
     const tick = Math.floor(time);
     const { story } = this;
     const margins = story.margin ?? story.known_margin;
@@ -82,7 +83,10 @@ export class Game {
     }
     return {
       tick,
-      pieces: this.pieces.map((piece) => this.shown(piece, time)),
+      pieces: this.pieces.map((piece) => {
+        const shown = this.shown(piece, time);
+        return still && shown.cell >= 0 ? { ...shown, at: centre(this.map, shown.cell) } : shown;
+      }),
       owners: story.owners.map((owner) => valueAt(owner, tick, "green")),
       margin,
       fights: valueAt(story.fights, tick, []),

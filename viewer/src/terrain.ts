@@ -31,7 +31,7 @@ export class Terrain {
       return beside < 0 ? 0 : map.level[beside] - map.level[cell];
     };
     const slope = rise(2) + rise(3) - rise(5) - rise(0);
-    return 1 + Math.max(-0.1, Math.min(0.1, slope * 0.02));
+    return 1 + Math.max(-0.1, Math.min(0.035, slope * 0.014));
   }
 
   forget(): void {

@@ -16,6 +16,7 @@ const NAMES: Record<string, string> = {
 export class Timeline {
   loop: [number, number] | null = null;
   hover = -1;
+  minds: { camp: Camp; ticks: number[] } | null = null; // when the picked piece changed its mind
   private back = document.createElement("canvas");
   private key = "";
 
@@ -69,6 +70,10 @@ export class Timeline {
     const x = this.x(time);
     ctx.fillStyle = fade(palette.dark ? "#000000" : "#ffffff", 0.45);
     ctx.fillRect(x, 0, this.x(this.gameTicks) - x, height - 14);
+    if (this.minds && !muted) {
+      const y = height - 14 - 2 * LANE + (this.minds.camp === "blue" ? LANE : 0) - 1;
+      for (const tick of this.minds.ticks) wedge(ctx, this.x(tick), y, palette.warn);
+    }
     if (this.hover >= 0) line(ctx, this.x(this.hover), 0, height - 14, palette.soft, 1);
     line(ctx, x, 0, height - 14, palette.ink, 2);
     ctx.beginPath();
@@ -91,7 +96,7 @@ export class Timeline {
     const values = CAMPS.flatMap((camp) => (this.curves[camp] ?? []).filter((_, k) => k % 2 === 1)) as number[];
     const [low, high] = [Math.min(0, ...values) - 8, Math.max(0, ...values) + 8];
     const y = (value: number) => 6 + ((high - value) / (high - low)) * (bottom - 10);
-    this.axes(ctx, width, height, y, low, high, palette);
+    this.axes(ctx, width, height, y, [low, high], palette);
     if (this.loop) {
       ctx.fillStyle = fade(palette.warn, 0.22);
       ctx.fillRect(this.x(this.loop[0]), 0, this.x(this.loop[1]) - this.x(this.loop[0]), height - 14);
@@ -100,11 +105,12 @@ export class Timeline {
     CAMPS.forEach((camp, k) => this.lane(ctx, camp, bottom + 2 + k * LANE, palette, muted));
   }
 
-  private axes(ctx: CanvasRenderingContext2D, width: number, height: number, y: (v: number) => number, low: number, high: number, palette: Palette): void {
+  private axes(ctx: CanvasRenderingContext2D, width: number, height: number, y: (v: number) => number, [low, high]: [number, number], palette: Palette): void {
     ctx.font = "11px system-ui, sans-serif";
     ctx.textBaseline = "middle";
     ctx.fillStyle = palette.soft;
-    const step = high - low > 500 ? 200 : high - low > 220 ? 100 : 50;
+    const room = Math.abs(y(0) - y(1)); // pixels a point
+    const step = [50, 100, 200, 400].find((one) => one * room >= 13) ?? 500;
     for (let value = Math.ceil(low / step) * step; value <= high; value += step) {
       line(ctx, LEFT, y(value), 0, value === 0 ? palette.soft : palette.line, 1, width - RIGHT);
       ctx.textAlign = "right";
@@ -165,6 +171,16 @@ function line(ctx: CanvasRenderingContext2D, x: number, y: number, bottom: numbe
   ctx.lineWidth = width;
   ctx.strokeStyle = colour;
   ctx.stroke();
+}
+
+function wedge(ctx: CanvasRenderingContext2D, x: number, y: number, colour: string): void {
+  ctx.beginPath();
+  ctx.moveTo(x - 3.5, y);
+  ctx.lineTo(x + 3.5, y);
+  ctx.lineTo(x, y + 5);
+  ctx.closePath();
+  ctx.fillStyle = colour;
+  ctx.fill();
 }
 
 function dot(ctx: CanvasRenderingContext2D, x: number, y: number, size: number, colour: string): void {

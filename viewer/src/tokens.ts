@@ -1,7 +1,7 @@
 // Pieces: a square for red, a disc for blue, each with its letter, a white rim, and its blood as bars.
 
 import type { Camera } from "./camera";
-import type { Point } from "./hex";
+import { type HexMap, type Point, centre } from "./hex";
 import { fade, type Palette } from "./palette";
 import type { Game, Shown, State } from "./state";
 import type { Camp } from "./story";
@@ -13,6 +13,7 @@ export interface Token {
   size: number; // half its width
   ghost: boolean; // believed, not seen
   rider: Shown | null;
+  heading: number | null; // angle of the hop under way
 }
 
 const DEAD_TICKS = 90; // until a wreck has faded
@@ -28,16 +29,22 @@ export function tokensOf(game: Game, state: State, camera: Camera, ghosts: Shown
   for (const shown of state.pieces) {
     if (shown.cell < 0 || shown.blood === 0 || shown.carrier >= 0) continue;
     const rider = state.pieces.find((one) => one.carrier === shown.piece.index && one.blood > 0) ?? null;
-    found.push(token(shown, camera, size, shown.how === "lost", rider));
+    found.push({ ...token(shown, camera, size, shown.how === "lost"), rider, heading: headingOf(game.map, shown) });
   }
-  for (const shown of ghosts) if (away.has(shown)) found.push(token(shown, camera, size * 0.82, true, null));
+  for (const shown of ghosts) if (away.has(shown)) found.push(token(shown, camera, size * 0.82, true));
   spread(found);
-  return found.filter((one) => game.pieces.length > 0 && near(one.at, camera));
+  return found.filter((one) => near(one.at, camera));
 }
 
-function token(shown: Shown, camera: Camera, size: number, ghost: boolean, rider: Shown | null): Token {
+function token(shown: Shown, camera: Camera, size: number, ghost: boolean): Token {
   const home = camera.toScreen(shown.at);
-  return { shown, home, at: { ...home }, size, ghost, rider };
+  return { shown, home, at: { ...home }, size, ghost, rider: null, heading: null };
+}
+
+function headingOf(map: HexMap, shown: Shown): number | null {
+  if (shown.next < 0) return null;
+  const [here, there] = [centre(map, shown.cell), centre(map, shown.next)];
+  return Math.atan2(there.y - here.y, there.x - here.x);
 }
 
 function near(place: Point, camera: Camera): boolean {
@@ -114,6 +121,7 @@ function drawToken(ctx: CanvasRenderingContext2D, one: Token, picked: boolean, p
     ctx.lineWidth = 2.5;
     ctx.stroke();
   }
+  if (one.heading !== null) chevron(ctx, at, size, one.heading, colour);
   if (one.ghost) drawGhost(ctx, one, colour);
   else drawSolid(ctx, one, colour);
   letter(ctx, shown.piece.letter, at, size, one.ghost ? colour : palette.rim);
@@ -121,6 +129,21 @@ function drawToken(ctx: CanvasRenderingContext2D, one: Token, picked: boolean, p
   if (one.ghost) age(ctx, one, palette);
   if (shown.suppressed) suppressed(ctx, at, size, palette);
   if (one.rider) rider(ctx, one, colour, palette);
+}
+
+/** Where it is going. */
+function chevron(ctx: CanvasRenderingContext2D, at: Point, size: number, angle: number, colour: string): void {
+  const reach = size * 1.28;
+  ctx.beginPath();
+  for (const [turn, far] of [[0, reach + size * 0.42], [0.42, reach], [-0.42, reach]]) {
+    ctx.lineTo(at.x + Math.cos(angle + turn) * far, at.y + Math.sin(angle + turn) * far);
+  }
+  ctx.closePath();
+  ctx.fillStyle = colour;
+  ctx.fill();
+  ctx.lineWidth = 1;
+  ctx.strokeStyle = "#ffffff";
+  ctx.stroke();
 }
 
 function drawSolid(ctx: CanvasRenderingContext2D, one: Token, colour: string): void {
