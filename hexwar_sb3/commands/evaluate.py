@@ -8,6 +8,7 @@ from typing import Annotated, Any, Literal, TypeVar
 
 import tyro
 
+from hexwar_sb3.checks import check_whole
 from hexwar_sb3.commands.output import (
     COUNTS,
     compile_first,
@@ -16,6 +17,7 @@ from hexwar_sb3.commands.output import (
     print_json,
     result_cells,
     table,
+    typed,
 )
 from hexwar_sb3.commands.settings import ConstantPlans, DecisionTicks, Games, Json, ScenarioName, Seed
 from hexwar_sb3.errors import ConfigError
@@ -87,7 +89,8 @@ class Match:
     games: Games = 2000
     seed: Seed = 0
     decision_ticks: DecisionTicks = DECISION_TICKS
-    record: Path | None = None  # file (*.hwr) that gets the first game
+    record: Path | None = None  # file (*.hwr) that gets a game, or folder that gets several
+    record_games: tuple[int, ...] = (0,)  # which, by their numbers from 0
     json: Json = False
 
     def run(self) -> int:
@@ -96,12 +99,11 @@ class Match:
 
         terms = Terms(scenario=self.scenario, decision_ticks=self.decision_ticks)
         how = Evaluation(terms=terms, games=self.games, seed=self.seed)
-        if self.record is not None and self.record.is_dir():
-            raise ConfigError(f"--record {self.record} is a folder; name a file, for example game.hwr")
+        self._check_record()
         compile_first(self.red, self.blue, scenario=self.scenario)
         match = how.play(self.red, self.blue)
         if self.record is not None:
-            how.record(self.red, self.blue).save(self.record)
+            self._record(how, self.record)
         summary = match.summary()
         if self.json:
             print_json({**summary, **provenance(self.scenario)})
@@ -109,3 +111,21 @@ class Match:
             rows = [[camp, summary[camp]["player"], *result_cells(summary[camp])] for camp in ("red", "blue")]
             print(table(("camp", "player", *COUNTS), rows))
         return 0
+
+    def _check_record(self) -> None:
+        for number in self.record_games:
+            check_whole("record_games", number, least=0, most=self.games - 1)
+        if self.record is None or self._is_folder(self.record):
+            return
+        if len(self.record_games) != 1:
+            raise ConfigError(f"--record {self.record} is a file for one game; name a folder for several")
+
+    def _record(self, how: Evaluation, place: Path) -> None:
+        for number in self.record_games:
+            replay = how.record(self.red, self.blue, number, command=typed())
+            replay.save(place / f"game_{number:06d}.hwr" if self._is_folder(place) else place)
+
+    @staticmethod
+    def _is_folder(path: Path) -> bool:
+        """A folder that is there, or a name without a suffix."""
+        return path.is_dir() or not path.suffix

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shlex
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -39,6 +40,11 @@ def compile_first(*players: str, scenario: ScenarioLike = "plain") -> None:
     for player in players:
         make_player(player)
     prepare(partial(print, file=sys.stderr, flush=True))
+
+
+def typed() -> str:
+    """The command that runs, as one would type it."""
+    return shlex.join(["hexwar", *sys.argv[1:]])
 
 
 def print_json(values: Mapping[str, object]) -> None:

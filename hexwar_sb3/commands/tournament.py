@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import tyro
 
-from hexwar_sb3.commands.output import as_json, compile_first, print_json, table
+from hexwar_sb3.commands.output import as_json, compile_first, print_json, table, typed
 from hexwar_sb3.commands.run_folder import write_text
 from hexwar_sb3.commands.settings import Games, Json, Seed, check_jobs, check_name
 from hexwar_sb3.errors import ConfigError
@@ -38,12 +38,13 @@ class Tournament:
     seed: Seed = 0
     mirror: bool = False  # each player also meets itself
     jobs: int = 1  # matches side by side
-    output: Path = Path("tournament")  # folder: matches/, table.txt, table.json, tournament.png
+    record: bool = True  # write down the median game of each match
+    output: Path = Path("tournament")  # folder: matches/, games/, table.txt, table.json, tournament.png
     json: Json = False
 
     def run(self) -> int:
         """Play what is missing, then print and draw."""
-        from hexwar_sb3.evaluation.tournament import play_meetings, single_round_robin
+        from hexwar_sb3.evaluation.tournament import play_meetings, record_medians, single_round_robin
         from hexwar_sb3.evaluation.tournament_picture import draw_tournament
         from hexwar_sb3.folders import holding
 
@@ -65,6 +66,10 @@ class Tournament:
             text = in_words(found, list(players))
             write_text(self.output / "table.txt", text + "\n")
             draw_tournament(found, list(players), self.output / "tournament.png")
+            if self.record:
+                record_medians(
+                    found, players, players, how, self.output / "games", jobs=self.jobs, command=typed()
+                )
         if self.json:
             print_json(figures)
         else:

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import sys
 from dataclasses import dataclass, replace
 
 from hexwar_sb3.algorithms.preset_file import save_preset
 from hexwar_sb3.algorithms.presets import PRESETS
-from hexwar_sb3.commands.output import compile_first
+from hexwar_sb3.commands.output import compile_first, typed
 from hexwar_sb3.commands.run_folder import RunFolder
 from hexwar_sb3.commands.train_settings import TrainSettings, settings_from
 
@@ -38,7 +37,7 @@ class Train(TrainSettings):
         self.evaluation().check_opponents(self.named_opponents)
         folder = RunFolder.new(self.runs, self.name)
         with holding(folder.path, "run"):
-            folder.write_config(replace(self, opponents=self.met), " ".join(["hexwar", *sys.argv[1:]]))
+            folder.write_config(replace(self, opponents=self.met), typed())
             if self.preset not in PRESETS:
                 save_preset(folder.preset, self.loaded, {"copy of": self.preset})
                 return train(replace(self, preset=str(folder.preset)), model, folder)

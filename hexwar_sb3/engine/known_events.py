@@ -4,16 +4,19 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
+from typing import Any
 
 from hexwar_sb3.engine.game import Game
 from hexwar_sb3.engine.game_events import GameEvent
 from hexwar_sb3.engine.record import STATE_TICKS, Line
 from hexwar_sb3.engine.roster import Roster, parse_camp
+from hexwar_sb3.engine.view import known_now
 from hexwar_sb3.kernels import Rows
 from hexwar_sb3.rules.enums import Camp
 
 Follow = Callable[[Game, Line, int], None]
 
+_ACTS = frozenset({"orders", "edit", "decision"})
 _NAMES = ("piece", "target", "shooter")
 _OWN_ONLY = frozenset({"mortar_fired", "mortar_landed", "refused"})
 DICE = frozenset({"roll", "raw", "correction_roll", "modifiers", "correction"})
@@ -26,13 +29,18 @@ def known_lines(camp: str, game: Game, lines: Sequence[Line], follow: Follow) ->
     follow: makes the game do what a line of the full replay says.
     """
     side, end_tick = parse_camp(camp), min(lines[-1]["tick"], game.world.scenario.game_ticks)
-    acts = deque((n, line) for n, line in enumerate(lines, start=1) if line["type"] in {"orders", "edit"})
+    acts = deque((n, line) for n, line in enumerate(lines, start=1) if line["type"] in _ACTS)
+    known: dict[str, Any] = {}
     while game.tick <= end_tick:
         while acts and acts[0][1]["tick"] == game.tick:
             number, line = acts.popleft()
             follow(game, line, number)
-            if line["type"] == "orders" and line["camp"] == camp:
-                yield line
+            if line.get("camp") == camp:
+                yield {key: value for key, value in line.items() if key != "reward"}
+        now = known_now(side, game.state, 0, game.world)
+        if now != known:
+            yield {"type": "known", "tick": game.tick, **_changes(known, now)}
+            known = now
         if game.tick % STATE_TICKS == 0 or game.tick == end_tick:
             yield {"type": "view"} | game.view(camp).as_dict()
         if game.tick == end_tick or game.over:
@@ -43,6 +51,15 @@ def known_lines(camp: str, game: Game, lines: Sequence[Line], follow: Follow) ->
                 yield _plain_event(event)
     view = game.view(camp)
     yield {"type": "end", "tick": view.tick, "over": view.over, "own": {camp: view.own_total}}
+
+
+def _changes(before: dict[str, Any], now: dict[str, Any]) -> dict[str, Any]:
+    """The pieces, and the other values, that are not as before."""
+    pieces = [piece for piece in now["pieces"] if piece not in before.get("pieces", ())]
+    return {
+        "pieces": pieces,
+        **{name: now[name] for name in now if name != "pieces" and now[name] != before.get(name)},
+    }
 
 
 def is_known(event: GameEvent, camp: Camp, roster: Roster, before: Rows, after: Rows) -> bool:

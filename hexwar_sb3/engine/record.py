@@ -111,6 +111,11 @@ class Recorder:
                 line["refused"] = [[str(own[i]), reasons[i]] for i in own if i in reasons]
                 self.lines.append(line)
 
+    def note_line(self, state: State, b: int, line: Line) -> None:
+        """A line of somebody else's, of a tick since the last step; the states until then come first."""
+        self.note_states(state, b, line["tick"])
+        self.lines.append(line)
+
     def note_edit(self, tick: int, changes: list[Change]) -> None:
         """A change by hand."""
         changed = [list(change) for change in changes]

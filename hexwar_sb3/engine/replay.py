@@ -21,7 +21,7 @@ from hexwar_sb3.engine.known_events import known_lines
 from hexwar_sb3.engine.orders import Order
 from hexwar_sb3.engine.record import Line, Recorder, state_hash, state_line
 from hexwar_sb3.engine.replay_file import content_hash, fail, read_lines, write_lines
-from hexwar_sb3.engine.replay_lines import checked
+from hexwar_sb3.engine.replay_lines import SINCE_2, checked
 from hexwar_sb3.engine.roster import SIDES, Roster, camp_name
 from hexwar_sb3.engine.score import margin, own_total
 from hexwar_sb3.engine.state import State
@@ -36,8 +36,9 @@ from hexwar_sb3.rules.tables import AEROCRAFT
 from hexwar_sb3.version import __version__
 
 FORMAT = "hexwar-replay"
-FORMAT_VERSION = 1
+FORMAT_VERSION = 2  # 1 has no lines of what was decided and known
 MAX_SEED = 2**64 - 1
+MOST_COMMAND = 1_000  # characters
 _HEAD = ("type", "format", "version", "rules", "scenario")
 _OPEN = ("type", "format", "version", "players", "created")  # of the head, in a camp's own record
 _PLAYED = frozenset({"orders", "edit", "state"})
@@ -50,7 +51,7 @@ class PlayerName:
 
     name: str
     kind: str = "human"  # human, bot, policy or random
-    hash: str | None = None  # of the policy
+    hash: str | None = None  # of the policy's weights, or of what all bots do
 
     def as_dict(self) -> dict[str, str]:
         """The fields that are known."""
@@ -112,10 +113,12 @@ class Replay:
         seed: int,
         red: PlayerName | None = None,
         blue: PlayerName | None = None,
+        command: str | None = None,
     ) -> Replay:
-        """The replay of game b of a batch that a recorder looked on."""
+        """The replay of game b of a batch that a recorder looked on, and what made it, as one would type it."""
         players = {camp_name(camp): player for camp, player in zip(SIDES, (red, blue), strict=True)}
-        lines = [_head(recorder, seed, players), *recorder.lines, *_last_lines(recorder, state, b)]
+        head = _head(recorder, seed, players) | ({"command": command[:MOST_COMMAND]} if command else {})
+        lines = [head, *recorder.lines, *_last_lines(recorder, state, b)]
         return cls((*lines, _end_line(recorder, state, b) | {"sha256": content_hash(lines)}))
 
     # --- files -----------------------------------------------------------------------------------
@@ -144,7 +147,8 @@ class Replay:
         head = self._document(self.head, "head")
         head.has(*_HEAD)
         head.choice("format", (FORMAT,))
-        head.integer("version", FORMAT_VERSION, FORMAT_VERSION)
+        version = head.integer("version", 1, FORMAT_VERSION)
+        self._check_kinds(version)
         rules, scenario = (self._document(self.head[key], f"head.{key}") for key in ("rules", "scenario"))
         scenario.has("map")
         self._document(scenario.data["map"], "head.scenario.map")
@@ -153,13 +157,18 @@ class Replay:
             head.only((*_HEAD, "camp"), ("players", "created"))
             rules.only(("version",))
         else:
-            head.only((*_HEAD, "seed"), ("players", "software", "created"))
+            head.only((*_HEAD, "seed"), ("players", "software", "created", "command"))
             head.integer("seed", 0, MAX_SEED)
             self._document(self.end, "end").has("margin", "winner", "sha256")
-        for key in ("software", "created"):
+        for key, limit in (("software", 80), ("created", 80), ("command", MOST_COMMAND)):
             if key in head.data:
-                head.text(key)
+                head.text(key, limit)
         self._check_players()
+
+    def _check_kinds(self, version: int) -> None:
+        for number, line in enumerate(self.lines, start=1):
+            if version == 1 and line["type"] in SINCE_2:
+                self._fail(f"line {number}", shown(line["type"]), "a line of version 1, as the head says")
 
     def _check_players(self) -> None:
         players = self._document(self.head.get("players", {}), "head.players")
@@ -178,6 +187,14 @@ class Replay:
                 for key, allowed in known.items():
                     if key in line and line[key] not in allowed:
                         self._fail(f"line {number}, event.{key}", shown(line[key]), "a name of the scenario")
+            elif line["type"] == "decision":
+                if not {f"{line['camp']}:{choice[0]}" for choice in line["choices"]} <= set(names):
+                    self._fail(f"line {number}, decision", "another piece", f"pieces of {line['camp']}")
+            elif line["type"] == "known":
+                places = {piece[1] for piece in line["pieces"]} - {None}
+                places |= {*line.get("bursting", ()), *line.get("fights", ())}
+                if not ({piece[0] for piece in line["pieces"]} <= set(names) and places <= cells):
+                    self._fail(f"line {number}, known", "other names", "pieces and cells of the scenario")
             elif line["type"] == "state":
                 found = tuple(piece[0] for piece in line["pieces"])
                 where = {piece[1] for piece in line["pieces"]} - {None}
@@ -324,9 +341,16 @@ class Replay:
     def for_camp(self, camp: str) -> Replay:
         """What one camp may see of it: no seed, hashes, enemy orders, true score or final margin."""
         head: Line = {key: self.head[key] for key in _OPEN if key in self.head}
+        players = self.head.get("players", {}).items()
+        head["players"] = {side: {k: v for k, v in player.items() if k != "hash"} for side, player in players}
         scenario = {key: value for key, value in self.head["scenario"].items() if key != "hash"}
         scenario["map"] = {k: v for k, v in scenario["map"].items() if k not in {"hash", "seed"}}
-        head |= {"camp": camp, "rules": {"version": self.head["rules"]["version"]}, "scenario": scenario}
+        head |= {
+            "version": FORMAT_VERSION,
+            "camp": camp,
+            "rules": {"version": self.head["rules"]["version"]},
+            "scenario": scenario,
+        }
         return Replay((head, *known_lines(camp, self._new_game(), self.lines, self._follow)), self.source)
 
 

@@ -21,14 +21,18 @@ from hexwar_sb3.engine.replay_file import MAX_LINES, fail
 from hexwar_sb3.engine.roster import SIDES, camp_name
 from hexwar_sb3.engine.view import SideView
 from hexwar_sb3.maps.document import shown
+from hexwar_sb3.maps.geometry import DIRECTION_NAMES
 from hexwar_sb3.maps.scenario import MAX_CONTROL_POINTS, MAX_GAME_TICKS, MAX_SIDE_PIECES
 from hexwar_sb3.rules.enums import Camp
 
 MAX_CHANGES = 2_000  # by hand, in all edits of a game; an edit counts once itself
 STEPS_A_CHANGE = 5  # of a path by hand, which costs as much as a change
 MAX_LOOKS = MAX_GAME_TICKS // STATE_TICKS + 2  # lines of states or views
+MAX_TASKS = 64  # that a piece chooses from
 MAX_CHARACTERS = 10_000  # of a text; an order of a whole path has 520
 MOST = 2**31 - 1
+REWARD = ("points", "own", "enemy")  # parts of a gain, points
+SINCE_2 = frozenset({"decision", "known"})  # kinds of lines that version 1 does not have
 _CAMPS = tuple(map(camp_name, SIDES))
 _OWNERS = tuple(map(camp_name, Camp))
 _EVENTS = frozenset(event.name.lower() for event in Event)
@@ -70,6 +74,35 @@ def _is_piece(value: Any) -> bool:
     return texts and all(map(_is_whole, (blood, hidden, suppressed)))
 
 
+def _is_known_piece(value: Any) -> bool:
+    """[name, cell, blood, hidden, suppressed, carrier, seen]; what is not known is null."""
+    if not isinstance(value, list | tuple) or len(value) != 7:
+        return False
+    name, cell, blood, hidden, suppressed, carrier, seen = value
+    texts = _is_text(name) and all(one is None or _is_text(one) for one in (cell, carrier))
+    return (
+        texts
+        and _is_whole(seen)
+        and all(one is None or _is_whole(one) for one in (blood, hidden, suppressed))
+    )
+
+
+def _is_choice(value: Any) -> bool:
+    """[piece, number of the chosen task, tasks, values, direction], as a decision has it."""
+    if not isinstance(value, list | tuple) or len(value) != 5:
+        return False
+    piece, chosen, tasks, values, direction = value
+    return (
+        _is_text(piece)
+        and _is_list(tasks, MAX_TASKS, _is_text)
+        and type(chosen) is int
+        and 0 <= chosen < len(tasks)
+        and _is_list(values, MAX_TASKS, _is_whole)
+        and len(values) in (0, len(tasks))
+        and direction in ("", *DIRECTION_NAMES)
+    )
+
+
 def _is_change(value: Any) -> bool:
     """[who, field, value], as an edit has it."""
     return (
@@ -106,6 +139,13 @@ PLAIN = Kind(
     "a list of texts, or of names and values",
     lambda value: _is_list(value, 2 * MAX_SIDE_PIECES, lambda one: isinstance(one, str | dict)),
 )
+
+
+OWNERS = Kind(
+    f"at most {MAX_CONTROL_POINTS} of {', '.join(_OWNERS)}",
+    lambda value: _is_list(value, MAX_CONTROL_POINTS, _OWNERS.__contains__),
+)
+NAMES = Kind("a list of names of cells", lambda value: _is_list(value, 2 * MAX_SIDE_PIECES, _is_text))
 
 
 def _of(annotation: object) -> Kind:
@@ -161,10 +201,7 @@ LINES: Mapping[str, tuple[Mapping[str, Kind], Mapping[str, Kind]]] = {
             "tick": TICK,
             "hash": TEXT,
             "margin": OF_BOTH,
-            "owners": Kind(
-                f"at most {MAX_CONTROL_POINTS} of {', '.join(_OWNERS)}",
-                lambda value: _is_list(value, MAX_CONTROL_POINTS, _OWNERS.__contains__),
-            ),
+            "owners": OWNERS,
             "pieces": Kind(
                 "[name, cell, blood, hidden, suppressed, carrier] of each piece",
                 lambda value: _is_list(value, 2 * MAX_SIDE_PIECES, _is_piece),
@@ -173,6 +210,34 @@ LINES: Mapping[str, tuple[Mapping[str, Kind], Mapping[str, Kind]]] = {
         {},
     ),
     "view": ({**_fields(SideView), "tick": TICK, "camp": CAMP}, {}),
+    "decision": (
+        {
+            "tick": TICK,
+            "camp": CAMP,
+            "choices": Kind(
+                f"at most {MAX_SIDE_PIECES} of [piece, chosen, tasks, values, direction]",
+                lambda value: _is_list(value, MAX_SIDE_PIECES, _is_choice),
+            ),
+        },
+        {
+            "reward": Kind(
+                f"whole numbers for {', '.join(REWARD)}",
+                lambda value: (
+                    isinstance(value, dict) and tuple(value) == REWARD and all(map(_is_whole, value.values()))
+                ),
+            )
+        },
+    ),
+    "known": (
+        {
+            "tick": TICK,
+            "pieces": Kind(
+                "[name, cell, blood, hidden, suppressed, carrier, seen] of pieces",
+                lambda value: _is_list(value, 2 * MAX_SIDE_PIECES, _is_known_piece),
+            ),
+        },
+        {"owners": OWNERS, "known_margin": WHOLE, "bursting": NAMES, "fights": NAMES},
+    ),
     "end": (
         {"tick": TICK, "over": FLAG, "own": OF_CAMPS},
         {

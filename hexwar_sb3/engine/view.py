@@ -219,6 +219,16 @@ def side_view(camp: CampIndex, state: State, b: int, world: World) -> SideView:
     return _Viewer(camp, state, b, world).view()
 
 
+def known_now(camp: CampIndex, state: State, b: int, world: World) -> dict[str, Any]:
+    """What changes in a camp's view of game b, as short as a replay has it; the camp's own timers apart.
+
+    Returns:
+        `pieces`, a list [name, cell, blood, hidden, suppressed, carrier, seen] for each that is not unseen, what the
+        camp does not know as None; `owners` of the control points, `known_margin`, cells `bursting` and `fights`.
+    """
+    return _Viewer(camp, state, b, world).known_now()
+
+
 class _Viewer:
     """Reads one game for one camp."""
 
@@ -250,6 +260,30 @@ class _Viewer:
             known_margin=int(known_margin(game, pieces, memory, self.camp, rules)),
             hexmap=self.world.scenario.hexmap,
         )
+
+    def known_now(self) -> dict[str, Any]:
+        game, rules = self.game, self.world.rules[0]
+        own = [self._own_now(i) for i in self.own]
+        enemies = [self._enemy_now(i) for i in self.enemies if not self._never_seen(i)]
+        return {
+            "pieces": [*own, *enemies],
+            "owners": [camp_name(owner) for owner in game.point_owner[: game.n_points]],
+            "known_margin": int(known_margin(game, self.pieces, self.memory, self.camp, rules)),
+            "bursting": list(self._bursting()),
+            "fights": list(self._fights()),
+        }
+
+    def _own_now(self, i: int) -> list[Any]:
+        piece = self.pieces[i]
+        states = int(piece.blood), int(piece.hidden), int(piece.suppressed)
+        return [self.roster.names[i], self._cell(piece.cell), *states, self._name(piece.carrier), 1]
+
+    def _enemy_now(self, i: int) -> list[Any]:
+        piece, known = self.pieces[i], self._known(i)
+        if known.seen:
+            states = int(piece.blood), int(piece.hidden), int(piece.suppressed)
+            return [self.roster.names[i], self._cell(piece.cell), *states, None, 1]
+        return [self.roster.names[i], self._cell(known.cell), int(known.blood), None, None, None, 0]
 
     def _own(self, i: int) -> OwnPiece:
         piece = self.pieces[i]

@@ -108,9 +108,19 @@ class Evaluation:
                         f"{player_name(player)} as {camp} on {self.terms.scenario}: {error}"
                     ) from error
 
-    def record(self, red: object, blue: object) -> Replay:
-        """Play the first game of a cell and write it down."""
-        return record_game(red, blue, self.terms, seed_for(self.purpose, self.seed))
+    def record(
+        self,
+        red: object,
+        blue: object,
+        episode: int = 0,
+        decision_ticks: tuple[int, int] | None = None,
+        command: str | None = None,
+    ) -> Replay:
+        """Play one game of a cell, by its number, and write it down; further arguments as `record_game`."""
+        seed = seed_for(self.purpose, self.seed)
+        return record_game(
+            red, blue, self.terms, seed, episode=episode, decision_ticks=decision_ticks, command=command
+        )
 
 
 def play_match(

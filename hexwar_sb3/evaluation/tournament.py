@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 import numpy as np
+from numpy.typing import NDArray
 
 from hexwar_sb3.bots.config import bots_hash, drawn_hash
 from hexwar_sb3.bots.registry import FAMILIES, as_member
@@ -31,6 +32,7 @@ from hexwar_sb3.players.terms import trained_terms
 from hexwar_sb3.reading import read_json
 
 FORMAT = "hexwar match 1"
+MEDIAN = "median_game"  # of a match's file: number of its median game
 LETTERS = {1.0: "W", 0.5: "D", 0.0: "L"}  # red's result of a game
 
 
@@ -43,9 +45,14 @@ class Meeting:
     scenario: str
 
     @property
+    def stem(self) -> str:
+        """Name of its files, without a suffix."""
+        return f"{Path(self.scenario).name}~{self.red}~{self.blue}"
+
+    @property
     def file(self) -> str:
-        """Name of its file."""
-        return f"{Path(self.scenario).name}~{self.red}~{self.blue}.json"
+        """Name of the file of its figures."""
+        return f"{self.stem}.json"
 
 
 @dataclass(frozen=True, eq=False)
@@ -227,6 +234,8 @@ class Match:
                     self.path, key, found=str(found), expected=f"{value}; or choose another folder"
                 )
         self._check_figures(row)
+        if MEDIAN in row and not (type(row[MEDIAN]) is int and 0 <= row[MEDIAN] < self.evaluation.games):
+            self._fail(MEDIAN, row[MEDIAN], f"a whole number from 0 to {self.evaluation.games - 1}")
         return row
 
     def _check_figures(self, row: Mapping[str, Any]) -> None:
@@ -274,8 +283,55 @@ def play(match: Match) -> None:
     result = how.play(match.red, match.blue, match.decision_ticks)
     named = replace(result, red_name=meeting.red, blue_name=meeting.blue)
     games = "".join(LETTERS[score] for score in result.red.scores)
-    row = {**named.summary(), **match.head(), "red_games": games}
+    row = {**named.summary(), **match.head(), "red_games": games, MEDIAN: median_game(result.red.margins)}
     write_json(match.path, row)
+
+
+def median_game(margins: NDArray[np.float64]) -> int:
+    """Number of the game that half of the games surpass by margin: what a match is like. Of equals it is the first.
+
+    Example:
+        >>> median_game(np.array([-200.0, 30.0, 10.0, 90.0]))
+        2
+    """
+    return int(np.argsort(margins, kind="stable")[(len(margins) - 1) // 2])
+
+
+def record_medians(
+    table: Table,
+    reds: Mapping[str, object],
+    blues: Mapping[str, object],
+    evaluation: Evaluation,
+    folder: Path,
+    *,
+    jobs: int = 1,
+    command: str | None = None,
+) -> None:
+    """Write down the median game of each match of a table into a folder, where it is missing.
+
+    Args:
+        table: from `play_meetings`; matches that an earlier version played do not say which game that is, and have none.
+        reds, blues, evaluation, jobs: as there.
+        folder: gets `SCENARIO~RED~BLUE.hwr`.
+        command: what made them, as one would type it.
+    """
+    missing = [
+        (
+            Match(meeting, reds[meeting.red], blues[meeting.blue], evaluation, folder),
+            int(row[MEDIAN]),
+            command,
+        )
+        for meeting, row in table.rows.items()
+        if MEDIAN in row and not (folder / f"{meeting.stem}.hwr").is_file()
+    ]
+    run_jobs(_record, missing, jobs, "game")
+
+
+def _record(job: tuple[Match, int, str | None]) -> None:
+    match, game, command = job
+    how = replace(match.evaluation, terms=replace(match.evaluation.terms, scenario=match.meeting.scenario))
+    replay = how.record(match.red, match.blue, game, match.decision_ticks, command)
+    replay.save(match.folder / f"{match.meeting.stem}.hwr")
 
 
 def fingerprint(player: object) -> str:

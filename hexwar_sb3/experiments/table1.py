@@ -31,6 +31,7 @@ from hexwar_sb3.league.distil import Lessons
 from hexwar_sb3.league.league import League
 from hexwar_sb3.league.member import BOTH, CAMPS, NETWORKS
 from hexwar_sb3.league.picture import draw_league
+from hexwar_sb3.league.selection import play_all, select, standings
 from hexwar_sb3.league.settings import LeagueSettings
 from hexwar_sb3.players.terms import Terms
 from hexwar_sb3.reading import read_json
@@ -56,7 +57,9 @@ class Table1:
     seeds: tuple[int, ...] = (0, 1, 2, 3)  # of the warm-ups
     settings: LeagueSettings = field(default_factory=lambda: LeagueSettings(opponents=broad_mixture("plain")))
     lessons: Lessons = field(default_factory=lambda: Lessons(games=800, updates=4_000))
-    cai_games: int = 50_000  # that CAI learns from after it was distilled
+    cai_games: int = 35_000  # that a student learns from after it was distilled
+    # of models for both camps so many learn on, and the best is CAI; where camps are split, one of each colour does
+    students: int = 2
     # of CAI, where they differ from the league's: a longer training may change more
     cai_learner: Mapping[str, Any] = field(default_factory=lambda: dict(CAI_LEARNER))
     games: int = 2_000  # a cell
@@ -112,7 +115,7 @@ class Table1:
         if missing:
             with measured(self.kept, "CAI"):
                 run_jobs(make_cai, missing, self.jobs, "CAI")
-        self._keep_policies(league)
+                self._keep_policies(league)
         if not (self.kept / "league.png").exists():
             say("matches of the best of each iteration")
             with measured(self.kept, "progress"):
@@ -157,7 +160,7 @@ class Table1:
         """CAI: of the two best, against whom the last iteration kept, the best of each before, and bots."""
         last, settings = league.kept(self.settings.iterations), self.settings
         specs = []
-        for side in self.sides:
+        for number, side in enumerate(self.sides if settings.split else self.students * [BOTH]):
             camp = CAMPS[0] if side == BOTH else side
             enemy = CAMPS[1 - CAMPS.index(camp)]
             share = settings.partner_share / len(last[enemy])
@@ -173,8 +176,8 @@ class Table1:
                     games=self.cai_games,
                     fill_games=settings.fill_games,
                     refit_games=settings.refit_games,
-                    seed=(settings.seed, settings.iterations + 1, CAMPS.index(camp)),
-                    folder=self.work / "cai" / side,
+                    seed=(settings.seed, settings.iterations + 1, number),
+                    folder=self.work / "cai" / f"{side}-{number}",
                     env=league.env(),
                     learner={**league.learner(self.cai_games), **self.cai_learner},
                     about=league.terms.about(),
@@ -212,7 +215,7 @@ class Table1:
         """Copy the policies of the table."""
         first, last = league.kept(0), league.kept(self.settings.iterations)
         for side in self.sides:
-            camp, combined = CAMPS[0] if side == BOTH else side, self.work / "cai" / side
+            camp, combined = CAMPS[0] if side == BOTH else side, self._best_student(league, side)
             found = {
                 "HRL0": self.best_warm_up(),
                 "HRL1": last[camp][0].folder,
@@ -226,6 +229,19 @@ class Table1:
                 if not target.exists():
                     with making(target) as made:
                         _copy_policy(folder, made)
+
+    def _best_student(self, league: League, side: str) -> Path:
+        """Folder of the student that a round robin such as the league's selects."""
+        folders = {spec.folder.name: spec.folder for spec in self.combined(league) if spec.side == side}
+        if len(folders) == 1:
+            return next(iter(folders.values()))
+        models: dict[str, object] = {name: folder / LEARNED for name, folder in folders.items()}
+        rivals, share = tuple(self.settings.weights), self.settings.worst_share
+        how = league.evaluation(self.settings.iterations + 1, self.settings.warm_up_games)
+        matches = self.work / "cai" / "matches"
+        table = play_all(models, models, how, matches, rivals=rivals, jobs=self.jobs)
+        rows = {camp: standings(table, camp, rivals, share) for camp in CAMPS}
+        return folders[select(rows, 1, split=False)[CAMPS[0]][0]]
 
     def policy(self, name: str, side: str) -> Path:
         """Committed folder of a policy of the table."""

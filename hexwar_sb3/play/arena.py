@@ -67,6 +67,9 @@ class Arena:
         self.players: list[list[Player | None]] = [[None, None] for _ in range(n_games)]
         self._start = _start(world, terms.fog)
         self._sights: dict[int, Sight] = {}
+        self.chosen: dict[
+            int, NDArray[np.int64]
+        ] = {}  # by camp, task indices of the players last asked [n, N]
         self.nets = np.zeros(1, LOWER_NET).view(np.recarray)  # that drives.lower names
         self._net_numbers: dict[FrozenLower, int] = {}
         self._answerers: dict[tuple[int, int], Answerer] = {}  # (game, camp) -> who answers outside the loop
@@ -273,19 +276,21 @@ class Arena:
 
     def _ask_one(self, camp: int, which: Games) -> None:
         player = cast("Player", self.players[which[0]][camp])
-        sight = self._sight_for(camp)
+        sight = self.sight(camp)
         slots, camps = np.arange(len(which)), np.full(len(which), camp)
         self.look(slots, which, camps, sight)
         actions = player.act({key: value[: len(which)] for key, value in sight.obs.items()})
         try:
             tasks = check_tasks(actions, (len(which), sight.rows.shape[1]))
             self.choose(slots, which, camps, tasks, sight)
+            self.chosen[camp] = tasks
             if hasattr(player, "answers"):
                 self.keep_answers(which, camps, player.answers)
         except ConfigError as error:
             raise ConfigError(f"player {seat_name(player)!r}: {error}") from error
 
-    def _sight_for(self, camp: int) -> Sight:
+    def sight(self, camp: int) -> Sight:
+        """What the players of a camp that were last asked saw."""
         if camp not in self._sights:
             self._sights[camp] = Sight(self.world, camp, self.n_games)
         return self._sights[camp]

@@ -6,12 +6,14 @@ from pathlib import Path
 
 import numpy as np
 
+from hexwar_sb3.bots.config import bots_hash
 from hexwar_sb3.engine.game import LOG_ROWS
 from hexwar_sb3.engine.record import Recorder
 from hexwar_sb3.engine.replay import PlayerName, Replay
 from hexwar_sb3.engine.state import new_state
 from hexwar_sb3.engine.world import load_world
 from hexwar_sb3.play.arena import Arena
+from hexwar_sb3.play.decisions import DecisionLog
 from hexwar_sb3.play.drive import make_step, next_decision, note_due, take_turn
 from hexwar_sb3.play.records import STEPS, WAITS
 from hexwar_sb3.play.seeds import check_seed, game_seed
@@ -26,8 +28,12 @@ def record_game(
     seed: int = 0,
     *,
     episode: int = 0,
+    decision_ticks: tuple[int, int] | None = None,
+    command: str | None = None,
 ) -> Replay:
     """Play one game and write it down; it is the game that `play_games` plays as its number `episode`.
+
+    What both camps decided is in it, with the task sets and values of players that have them.
 
     Args:
         red: a player as `make_player` takes them.
@@ -35,6 +41,8 @@ def record_game(
         terms: of the game.
         seed: of the match.
         episode: number of the game.
+        decision_ticks: between decisions of (red, blue), where they differ from the terms.
+        command: what made it, as one would type it.
 
     Example:
         >>> replay = record_game("MA1", "MA2", Terms(scenario="hills"))
@@ -42,33 +50,37 @@ def record_game(
         >>> replay.save("game.hwr")
     """
     world = load_world(terms.scenario)
-    arena = Arena(world, 1, terms)
+    arena = Arena(world, 1, terms, decision_ticks)
     arena.state = new_state(world, 1, LOG_ROWS)
     seats = make_player(red), make_player(blue)
     dice_seed = game_seed(check_seed(seed), episode)
     arena.begin(0, dice_seed, *seats)
-    recorder = Recorder(world)
+    recorder, decisions = Recorder(world), DecisionLog(arena)
     while not arena.state.games[0].over:
-        arena.ask([0])
-        _advance(arena, recorder)
+        decisions.ask()
+        _advance(arena, recorder, decisions)
         arena.answer(np.zeros(1, np.int64))
-    return Replay.recorded(recorder, arena.state, 0, dice_seed, _name(red, seats[0]), _name(blue, seats[1]))
+    names = _name(red, seats[0]), _name(blue, seats[1])
+    return Replay.recorded(recorder, arena.state, 0, dice_seed, *names, command)
 
 
-def _advance(arena: Arena, recorder: Recorder) -> None:
-    """Do what `advance_game` does, with the recorder looking on."""
+def _advance(arena: Arena, recorder: Recorder, decisions: DecisionLog) -> None:
+    """Do what `advance_game` does, with both looking on."""
     world, state = arena.world, arena.state
     game, pieces, memory, paths, rounds, orders, log = state.game(0)
     drive, missions, brains = arena.drives[0], arena.missions[0], arena.brains[0]
     rules, atlas = world.rules[0], arena.atlas[0]
     until = next_decision(drive, game)
     while not game.over and game.tick < until:
+        tick = int(game.tick)
         turn = take_turn(
             until, drive, game, pieces, memory, paths, rounds, orders, missions, brains,
             rules, world.cells, world.los, world.eta, atlas, arena.nets,
         )  # fmt: skip
         if turn == WAITS:
             return
+        for line in decisions.lines(tick):
+            recorder.note_line(state, 0, line)
         if turn == STEPS:
             recorder.before_step(state, 0)
             make_step(drive, game, pieces, memory, paths, rounds, orders, log, rules, world.cells, world.los)
@@ -80,6 +92,6 @@ def _advance(arena: Arena, recorder: Recorder) -> None:
 
 def _name(player: object, seat: Seat) -> PlayerName:
     if isinstance(seat, BotPlayer):
-        return PlayerName(name=seat.name, kind="bot")
+        return PlayerName(name=seat.name, kind="bot", hash=bots_hash())
     name = Path(player).name if isinstance(player, str | Path) else type(player).__name__
-    return PlayerName(name=name, kind="policy")
+    return PlayerName(name=name, kind="policy", hash=getattr(seat, "sha256", None))

@@ -79,7 +79,14 @@ def test_a_misspelt_flag_is_met_with_the_right_one(hexwar: Command) -> None:
         (("train", "--gamma", "2"), "hexwar: gamma must be in [0, 1], got 2.0"),
         (("match", "ma1", "MA2"), "hexwar: unknown player 'ma1'; did you mean 'MA1'?"),
         (("match", "MA1", "MA2", "--decision-ticks", "0"), "hexwar: decision_ticks must be an integer >= 1"),
-        (("match", "MA1", "MA2", "--record", "."), "hexwar: --record . is a folder; name a file"),
+        (
+            ("match", "MA1", "MA2", "--record", "a.hwr", "--record-games", "0", "1"),
+            "hexwar: --record a.hwr is a file for one game; name a folder for several",
+        ),
+        (
+            ("match", "MA1", "MA2", "--games", "3", "--record", ".", "--record-games", "3"),
+            "hexwar: record_games must be at most 2, got 3",
+        ),
         (("evaluate", "tests"), "hexwar: tests: config.json: found nothing; expected a policy folder"),
     ],
 )

@@ -9,7 +9,9 @@ import pytest
 
 from hexwar_sb3.cli import main
 from hexwar_sb3.commands.tournament import named
+from hexwar_sb3.engine.replay import Replay
 from hexwar_sb3.errors import ConfigError
+from hexwar_sb3.evaluation.matches import Evaluation
 
 
 def run(*arguments: str) -> int:
@@ -19,15 +21,23 @@ def run(*arguments: str) -> int:
 
 
 def test_a_tournament_leaves_table_picture_and_matches(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     words = ("MA1", "nearest", "any=random", "--games", "3", "--output", str(tmp_path))
+    monkeypatch.setattr("sys.argv", ["hexwar", "tournament", *words])
     assert run(*words) == 0
     printed = capsys.readouterr().out
     made = {path: path.stat().st_mtime_ns for path in (tmp_path / "matches").glob("*.json")}
     assert run(*words, "--json") == 0
     figures = json.loads(capsys.readouterr().out)
 
+    games = sorted((tmp_path / "games").glob("*.hwr"))
+    assert [path.stem for path in games] == sorted(path.stem for path in made)
+    replay = Replay.load(tmp_path / "games" / "plain~MA1~nearest.hwr")
+    row = json.loads((tmp_path / "matches" / "plain~MA1~nearest.json").read_text())
+    margins = Evaluation(games=3, seed=0).play("MA1", "nearest").red.margins
+    assert replay.end["margin"]["red"] == sorted(margins)[1] == margins[row["median_game"]]
+    assert replay.head["command"].startswith("hexwar tournament MA1 nearest")
     assert len(made) == 6
     assert all(path.stat().st_mtime_ns == time for path, time in made.items())
     assert printed.startswith((tmp_path / "table.txt").read_text().rstrip())

@@ -133,7 +133,7 @@ def test_a_camps_own_record_has_no_secrets(camp: str, path: Path, tmp_path: Path
     for secret in ("seed", "salt", "hash", "sha256", '"margin"', "winner", '"roll"', "modifiers"):
         assert secret not in text, secret
     assert all(line["camp"] == camp for line in own.lines if line["type"] == "orders")
-    assert {line["type"] for line in own.lines} <= {"head", "orders", "event", "view", "end"}
+    assert {line["type"] for line in own.lines} <= {"head", "orders", "event", "view", "known", "end"}
     assert [line["tick"] for line in own.lines if line["type"] == "view"] == [0, 75, 150, 225, 300, 375, 400]
     with pytest.raises(ReplayFileError, match=f"the record of {camp} only; expected a whole replay"):
         own.verify()
@@ -189,7 +189,7 @@ BAD_FILES: dict[str, tuple[Callable[[bytes], bytes], str]] = {
     "a line left out": (rewritten(lambda lines: lines.pop(3)), r"end\.sha256: found .*: the file was changed"),
     "a wrong line": (rewritten(lambda lines: lines[2].update(type="exec")), r'line 3: found "exec"; expected one of'),
     "another format": (rewritten(lambda lines: lines[0].update(format="chess")), r'head\.format: found "chess"; expected one of hexwar-replay'),
-    "a later version": (rewritten(lambda lines: lines[0].update(version=2)), r"head\.version: found 2; expected a whole number from 1 to 1"),
+    "a later version": (rewritten(lambda lines: lines[0].update(version=3)), r"head\.version: found 3; expected a whole number from 1 to 2"),
     "other rules": (rewritten(lambda lines: lines[0]["rules"].update(hash="0" * 64)), r"these are other rules|the file was changed"),
     "a broken scenario": (rewritten(bad_scenario), r"9999|the file was changed"),
 }  # fmt: skip

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import shutil
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -13,8 +14,11 @@ import pytest
 from hexwar_sb3.algorithms.qmix import QMIX
 from hexwar_sb3.commands.output import table as lay_out
 from hexwar_sb3.envs.registration import make_vec_env
+from hexwar_sb3.evaluation.matches import Evaluation
 from hexwar_sb3.evaluation.panel import CONSTANT_PLANS
+from hexwar_sb3.evaluation.seeds import Purpose
 from hexwar_sb3.evaluation.tournament import Meeting, Table
+from hexwar_sb3.experiments import table1
 from hexwar_sb3.experiments.kept import Record
 from hexwar_sb3.experiments.runs import Places
 from hexwar_sb3.experiments.table1 import BROAD, COLUMNS, FURTHER, ROWS, Table1
@@ -133,15 +137,41 @@ def test_the_pipeline_goes_from_warm_ups_to_the_table(pipeline: Table1) -> None:
 
 def test_cai_is_a_function_of_its_spec(pipeline: Table1, tmp_path: Path) -> None:
     pipeline.run(lambda _: None)
-    (spec,) = pipeline.combined(pipeline.league())
+    cai = FrozenPolicy.load(pipeline.policy("CAI", "both")).sha256
+    specs = {
+        FrozenPolicy.load(one.folder / "learned").sha256: one for one in pipeline.combined(pipeline.league())
+    }
+    spec = specs[cai]  # the better of two
     make_cai(replace(spec, folder=tmp_path / "again"))
 
     for name in ("distilled", "learned"):
         policies = [FrozenPolicy.load(folder / name) for folder in (spec.folder, tmp_path / "again")]
         assert policies[0].sha256 == policies[1].sha256
-    assert policies[0].sha256 == FrozenPolicy.load(pipeline.policy("CAI", "both")).sha256
+    assert (len(specs), policies[0].sha256) == (2, cai)
     assert policies[0].about["side"] == "both"
     assert sum(weight for _, weight in spec.opponents) == pytest.approx(1.0)
+
+
+def test_cai_is_the_student_that_does_best(pipeline: Table1, monkeypatch: pytest.MonkeyPatch) -> None:
+    def second_wins(
+        reds: Mapping[str, object], blues: Mapping[str, object], how: Evaluation, *_: object, **__: object
+    ) -> Table:
+        assert how.purpose == Purpose.SELECTION
+        assert (list(reds), reds) == (["both-0", "both-1"], blues)
+        row = {"win_rate": 0.5, "mean_margin": 0.0, "games": 2}
+        found = {}
+        for name, rate in (("both-0", 0.4), ("both-1", 0.6)):
+            for bot in ("MA1", "drawn"):
+                own = row | {"win_rate": rate}
+                found[Meeting(red=name, blue=bot, scenario="plain")] = {"red": own, "blue": row}
+                found[Meeting(red=bot, blue=name, scenario="plain")] = {"red": row, "blue": own}
+        return Table(found)
+
+    monkeypatch.setattr(table1, "play_all", second_wins)
+    pipeline.run(lambda _: None)
+
+    second = pipeline.work / "cai" / "both-1" / "learned"
+    assert FrozenPolicy.load(pipeline.policy("CAI", "both")).sha256 == FrozenPolicy.load(second).sha256
 
 
 def test_a_copy_that_was_broken_off_is_not_taken_for_whole(

@@ -185,7 +185,7 @@ def test_the_replay_loads_and_plays_again(folder: Path) -> None:
 
     run("replay.py")  # loads it, verifies it, and writes red's own record
 
-    assert {line["type"] for line in lines} == {"head", *LINES} - {"view"}
+    assert {line["type"] for line in lines} == {"head", *LINES} - {"view", "known"}
     new = hx.Replay.of(hx.Game(hx.Replay.load("two_tanks.hwr").scenario()))
     assert new.head.keys() == lines[0].keys()
     own = hx.Replay.load(folder / "red.hwr")
@@ -306,7 +306,7 @@ TABLES: list[tuple[str, str, str, Callable[[], Collection[str]]]] = [
     ("hot_spots", "Fields", "field", lambda: keys("hot_spots")),
     ("hot_spots", "Fields of a camp", "field", lambda: names_of(CampSpots)),
     ("replay", "The bytes", "type", lambda: {"head", *LINES}),
-    ("replay", "Line `head`", "field", lambda: {*keys_of_head(), "camp"}),
+    ("replay", "Line `head`", "field", lambda: {*keys_of_head(), "camp", "command"}),
     ("replay", "Head: `rules`", "field", lambda: keys_of_head("rules")),
     ("replay", "Head: `players`", "field", lambda: names_of(PlayerName)),
     ("replay", "Line `orders`", "field", lambda: keys_of_line("orders")),
@@ -315,7 +315,9 @@ TABLES: list[tuple[str, str, str, Callable[[], Collection[str]]]] = [
     ("replay", "Line `edit`", "change", lambda: {*edit._PIECE_FIELDS, *edit._POINT_FIELDS}),
     ("replay", "Line `event`", "field", lambda: keys_of_line("event")),
     ("replay", "Line `event`", "event", lambda: {event.name.lower() for event in Event}),
+    ("replay", "Line `decision`", "field", lambda: keys_of_line("decision")),
     ("replay", "Line `state`", "field", lambda: keys_of_line("state")),
+    ("replay", "Line `known`", "field", lambda: keys_of_line("known")),
     ("replay", "Line `end`", "field", lambda: keys_of_line("end")),
     ("replay", "A camp's own record", "field", lambda: keys_of_line("view")),
     ("policy", "Fields of `config.json`", "field", lambda: keys("policy")),

@@ -216,7 +216,7 @@ def two_seats(world: World, piece: int | None) -> Arena:
 def decide(arena: Arena) -> None:
     """Tasks of red by its task sets and the time, if it is due."""
     if arena.due(ONE, Camp.RED)[0]:
-        sight = arena._sight_for(Camp.RED)
+        sight = arena.sight(Camp.RED)
         arena.look(ONE, ONE, np.array([Camp.RED]), sight)
         arena.choose(ONE, ONE, np.array([Camp.RED]), Picker().act(sight.obs), sight)
 
