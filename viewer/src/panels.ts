@@ -387,7 +387,7 @@ function taskList(piece: Piece, decision: Decision): HTMLElement[] {
   const head = make("h2", {}, badge(piece.camp, piece.letter), `${spoken(piece.name)} at tick ${decision.tick}`);
   const rows = facts([["chose", decision.tasks[tasks[chosen]] ?? ""], ["gap", gap], ["led", way ? `the lower level went ${way}` : ""]]);
   const note = q.length
-    ? "Q is what it expected of the team by the paper's mixer, not of the piece; bars are around the chosen task."
+    ? "Q is what it expected of the team by the paper's mixer, not of the piece, in its learner's units: by default 1 is 50 points. Bars are around the chosen task."
     : "A scripted player has no values; this is its plan as a task.";
   return [head, rows, list, make("p", { class: "small soft" }, note)];
 }

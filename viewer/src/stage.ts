@@ -6,7 +6,7 @@ import { type Point, cellAt, centre, extent } from "./hex";
 import { byId } from "./dom";
 import { Sight } from "./los";
 import {
-  arrow, drawCell, drawError, drawFire, drawPath, drawPoints, drawRanges, drawReach, drawRounds, drawSight,
+  type SightPaths, arrow, drawCell, drawError, drawFire, drawPath, drawPoints, drawRanges, drawReach, drawRounds, drawSight, sightPaths,
 } from "./marks";
 import type { Scene } from "./panels";
 import { decisionOf, taskCell } from "./panels";
@@ -14,7 +14,7 @@ import { fade } from "./palette";
 import type { Game, Shown } from "./state";
 import { CAMPS } from "./story";
 import { Terrain } from "./terrain";
-import { type Token, drawTokens, drawWrecks, knowBlood, plate, tokensOf } from "./tokens";
+import { type Token, drawTokens, drawWrecks, knowBlood, plate, tokenSize, tokensOf } from "./tokens";
 
 const LAYERS = ["terrain", "fog", "marks", "pieces"] as const;
 const SETTLES_MS = 150; // after a zoom or a pan the terrain is drawn anew
@@ -33,7 +33,7 @@ export class Stage {
   readonly camera: Camera;
   readonly sight: Sight;
   private readonly terrain: Terrain;
-  private readonly fog: Fog;
+  private fog: Fog | null = null;
   private readonly contexts: Record<(typeof LAYERS)[number], CanvasRenderingContext2D>;
   private timer = 0;
   private tokens: Token[] = [];
@@ -46,7 +46,6 @@ export class Stage {
     this.camera = new Camera(extent(game.map));
     this.sight = new Sight(game.map, game.story.rules.air_height_m);
     this.terrain = new Terrain(game.map);
-    this.fog = new Fog(game.map, this.sight, game.story.rules);
     this.contexts = Object.fromEntries(LAYERS.map((id) => [id, context(byId<HTMLCanvasElement>(id))])) as typeof this.contexts;
     knowBlood(game);
   }
@@ -84,14 +83,16 @@ export class Stage {
     this.placed = placed;
     if (moved) this.drawTerrain(scene);
     const foggy = game.view !== "referee" && choices.fog;
-    const changed = foggy && this.fog.look(state.pieces.filter((one) => one.how === "own"), palette);
-    if (moved || changed || foggy !== this.wasFoggy) this.fog.blit(this.contexts.fog, camera, ratio, foggy);
+    if (foggy) this.fog ??= new Fog(game.map, this.sight, game.story.rules); // takes its time: not before the first frame
+    const changed = foggy && this.fog?.look(state.pieces.filter((one) => one.how === "own"), palette);
+    if (moved || changed || foggy !== this.wasFoggy) this.fog?.blit(this.contexts.fog, camera, ratio, foggy);
     this.wasFoggy = foggy;
 
     const ghosts = game.view === "referee" && choices.beliefs ? CAMPS.flatMap((camp) => game.ghosts(camp, time)) : [];
     const away = new Set(ghosts.filter((ghost) => this.isAway(ghost, scene)));
     this.tokens = tokensOf(game, state, camera, ghosts, away);
     const marks = this.clear("marks", ratio);
+    this.labels.length = 0;
     this.drawAsked(marks, scene, choices);
     drawPoints(marks, game, state, camera, palette, this.tokens);
     this.drawBeliefs(marks, scene, away);
@@ -101,9 +102,11 @@ export class Stage {
     drawWrecks(pieces, state, camera, palette);
     drawFire(pieces, game.map, scene.entries, time, choices.fireTicks, camera, palette);
     drawTokens(pieces, this.tokens, scene.picked?.index ?? -1, palette);
+    for (const { text, at } of this.labels) plate(pieces, text, at, 12, palette);
   }
 
   private wasFoggy: boolean | null = null;
+  private readonly labels: { text: string; at: Point }[] = []; // above the pieces
 
   private drawTerrain(scene: Scene): void {
     const { camera, terrain } = this;
@@ -147,9 +150,8 @@ export class Stage {
     const shown = picked ? state.pieces[picked.index] : null;
     const from = shown && shown.blood > 0 ? shown.cell : scene.cell;
     if (choices.los && from >= 0) {
-      const flies = shown?.piece.kind === "aerocraft";
-      const reach = shown ? game.story.rules.kinds[shown.piece.kind].sight.tank : 25;
-      drawSight(ctx, game.map, this.sight.field(from, reach, flies), this.camera, palette);
+      const kind = shown?.piece.kind ?? "tank"; // from a cell as a tank would look
+      drawSight(ctx, this.sightFrom(game, from, kind), this.camera, palette);
     }
     if (choices.policy && !picked) for (const one of state.pieces) this.drawChoice(ctx, scene, one, false);
     if (scene.cell >= 0) drawCell(ctx, game.map, scene.cell, this.camera, palette);
@@ -158,6 +160,17 @@ export class Stage {
     drawPath(ctx, game.map, shown.at, game.path(shown.piece, state.tick), this.camera, palette.camp[shown.piece.camp]);
     if (choices.policy) this.drawChoice(ctx, scene, shown, true);
   }
+
+  private sightFrom(game: Game, cell: number, kind: string): SightPaths {
+    const key = `${cell} ${kind}`;
+    if (this.lookedFrom.key !== key) {
+      const field = this.sight.field(cell, game.story.rules.kinds[kind].sight.tank, kind === "aerocraft");
+      this.lookedFrom = { key, paths: sightPaths(game.map, field) };
+    }
+    return this.lookedFrom.paths;
+  }
+
+  private lookedFrom: { key: string; paths: SightPaths } = { key: "", paths: { open: [], shut: [], hatch: [] } };
 
   /** From a piece to where its chosen task leads. */
   private drawChoice(ctx: CanvasRenderingContext2D, scene: Scene, shown: Shown, alone: boolean): void {
@@ -172,7 +185,7 @@ export class Stage {
     const [a, b] = [this.camera.toScreen(shown.at), this.camera.toScreen(place)];
     arrow(ctx, a, b, fade("#ffffff", 0.85), alone ? 6 : 3);
     arrow(ctx, a, b, scene.palette.camp[shown.piece.camp], alone ? 3.2 : 1.4);
-    if (alone) plate(ctx, text, { x: (a.x + b.x) / 2, y: (a.y + b.y) / 2 - 12 }, 12, scene.palette);
+    if (alone) this.labels.push({ text, at: { x: b.x, y: Math.min(a.y, b.y) - tokenSize(this.camera) - 24 } });
   }
 
   private drawBeliefs(ctx: CanvasRenderingContext2D, scene: Scene, away: Set<Shown>): void {

@@ -8,6 +8,7 @@ import { type Palette, shaded } from "./palette";
 
 const MARGIN = 0.2; // of the view, drawn around it
 const DIRECTIONS = [2, 3, 4]; // SE, E, NE: every pair of neighbours once
+export const PATH_CELLS = 48; // cells in one path
 const MAX_CLIMB = 5; // levels that a vehicle can climb
 
 export class Terrain {
@@ -110,21 +111,28 @@ export class Terrain {
       else groups.set(colour, [cell]);
     }
     ctx.lineJoin = "round";
+    ctx.lineWidth = 0.06; // closes the seams between cells
     for (const [colour, group] of groups) {
-      ctx.beginPath();
-      for (const cell of group) trace(ctx, centre(this.map, cell));
       ctx.fillStyle = colour;
       ctx.strokeStyle = colour;
-      ctx.lineWidth = 0.06; // closes the seams between cells
-      ctx.fill();
-      ctx.stroke();
+      this.outlines(ctx, group, () => {
+        ctx.fill();
+        ctx.stroke();
+      });
     }
     if (scale < 9) return;
-    ctx.beginPath();
-    for (const cell of cells) trace(ctx, centre(this.map, cell));
     ctx.strokeStyle = palette.grid;
     ctx.lineWidth = 1 / scale;
-    ctx.stroke();
+    this.outlines(ctx, cells, () => ctx.stroke());
+  }
+
+  /** Short paths: one of all cells takes ten times as long. */
+  private outlines(ctx: CanvasRenderingContext2D, cells: number[], draw: () => void): void {
+    for (let first = 0; first < cells.length; first += PATH_CELLS) {
+      ctx.beginPath();
+      for (const cell of cells.slice(first, first + PATH_CELLS)) trace(ctx, centre(this.map, cell));
+      draw();
+    }
   }
 
   private edges(ctx: CanvasRenderingContext2D, cells: number[], palette: Palette): void {
