@@ -9,8 +9,9 @@ from typing import Any, cast
 from hexwar_sb3.algorithms.qmix import QMIX
 from hexwar_sb3.callbacks.curve import draw_curve
 from hexwar_sb3.callbacks.every import EverySteps
+from hexwar_sb3.engine.world import load_world
 from hexwar_sb3.evaluation.history import History
-from hexwar_sb3.evaluation.matches import Evaluation
+from hexwar_sb3.evaluation.matches import Evaluation, player_name
 from hexwar_sb3.evaluation.panel import play_panel
 
 
@@ -81,6 +82,12 @@ class WinRateCallback(EverySteps):
         self.logger.record("time/total_timesteps", now, exclude="tensorboard")
         self.logger.dump(now)
         self.history.save(self.folder / "evaluations.npz")
-        draw_curve(self.history, self.folder / "learning_curve.png")
+        terms = self.evaluation.terms
+        draw_curve(
+            self.history,
+            self.folder / "learning_curve.png",
+            title=f'On "{load_world(terms.scenario).scenario.name}", both colours, against {", ".join(map(player_name, self.opponents))}',
+            decision_ticks=terms.decision_ticks if terms.decisions == "fixed" else None,
+        )
         if result.mean_margin.value > best:
             self.keep_best(player)

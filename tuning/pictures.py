@@ -1,4 +1,4 @@
-"""Pictures of a study: history, importances, slices, the (alpha, beta) surface for each Delta-t, the race."""
+"""Pictures of a study: history, importances, slices, alpha and beta for each Delta-t, the race."""
 
 from __future__ import annotations
 
@@ -16,6 +16,7 @@ from optuna.trial import FrozenTrial, TrialState
 from optuna.visualization import matplotlib as plots
 
 from hexwar_sb3.files import replacing
+from hexwar_sb3.pictures import FAINT
 from hexwar_sb3.tuning.space import short
 
 LEAST_FOR_IMPORTANCES = 4  # completed trials
@@ -97,14 +98,15 @@ def _draw_surface(trials: list[FrozenTrial]) -> Any:
 
 
 def _draw_panel(axes: Any, trials: list[FrozenTrial], colours: Any) -> None:
-    """Draw the trials of one Delta-t; between them, where they span an area, the surface."""
+    """Draw the trials of one Delta-t where they lie, with their numbers; nothing is said of what was not tried."""
     at = np.log10([[one.params["alpha"], one.params["beta"]] for one in trials])
     reached = np.array([_reached(one) for one in trials])
-    if np.linalg.matrix_rank(at - at[0], tol=0.1) == at.shape[1]:
-        axes.tricontourf(*at.T, reached, levels=12, cmap=colours.cmap, norm=colours.norm, alpha=0.4)
     for state, marker in ((TrialState.COMPLETE, "o"), (TrialState.PRUNED, "x")):
         some = np.array([one.state == state for one in trials])
         axes.scatter(*at[some].T, c=colours.to_rgba(reached[some]), marker=marker)
+    for one, place in zip(trials, at, strict=True):
+        axes.annotate(str(one.number), place, (4, 3), textcoords="offset points", fontsize=6, color=FAINT)
+    axes.grid(alpha=0.25, linewidth=0.6)
 
 
 def _draw_race(trials: list[FrozenTrial]) -> Any:

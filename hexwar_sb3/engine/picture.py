@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -13,20 +12,26 @@ from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from hexwar_sb3.engine.margins import margins
 from hexwar_sb3.engine.record import Line
 from hexwar_sb3.engine.replay import Replay
-from hexwar_sb3.engine.roster import SIDES, camp_name
 from hexwar_sb3.errors import ConfigError, ReplayFileError
-from hexwar_sb3.files import replacing
 from hexwar_sb3.maps.hexmap import HexMap
-from hexwar_sb3.maps.picture import CAMP_COLOUR, centres, draw_map, draw_scenario
+from hexwar_sb3.maps.picture import centres, draw_map, draw_scenario
+from hexwar_sb3.pictures import CAMPS, INK, dress, new_figure, write_figure
 
 PICTURES = (".png", ".svg", ".pdf")
 _SHOTS = frozenset({"shot", "guided", "close_shot", "exit_shot"})
 _ROUNDS = frozenset({"mortar_landed"})
-_COLOUR = {camp_name(camp): CAMP_COLOUR[camp] for camp in SIDES}
+_PLATE = {"boxstyle": "round,pad=0.15", "fc": "#ffffffcc", "ec": "none"}  # behind a text
 _FLIGHT, _SHOT = (0, (1, 1.5)), (0, (6, 2))  # dots and dashes
 _SPREAD = 0.22  # cells between the paths of two pieces that walk the same way
+_CELL, _LEAST, _MOST = (
+    0.165,
+    7.0,
+    14.0,
+)  # inches: width of a cell; the longer side of the map, at least and at most
+_TITLE, _LEGEND, _SCORES, _NARROWEST, _ENTRY = 0.6, 0.7, 2.0, 7.0, 1.55  # inches of the other parts
 
 
 class Mark(NamedTuple):
@@ -65,24 +70,33 @@ def save_game_picture(replay: Replay, path: str | Path) -> None:
     """
     if Path(path).suffix not in PICTURES:
         raise ConfigError(f"{path}: a picture's name must end in one of {', '.join(PICTURES)}")
-    with replacing(Path(path)) as temporary:
-        game_picture(replay).savefig(temporary, dpi=110)
+    write_figure(game_picture(replay), Path(path))
 
 
 def game_picture(replay: Replay) -> Figure:
-    """The map with all that happened on it, above the margins of both camps."""
+    """The map with all that happened on it, above the margins of both camps; as wide or as high as the map is."""
     scenario, story = replay.scenario(), tell(replay)
-    figure = Figure(figsize=(11, 12), layout="constrained")
-    above, below = figure.subplots(2, 1, height_ratios=[6, 1])
+    width, height = _inches(scenario.hexmap)
+    figure = new_figure(width, _TITLE + height + _LEGEND + _SCORES)
+    ratios = [height, _LEGEND, _SCORES]
+    above, between, below = figure.subplots(3, 1, height_ratios=ratios)
     draw_map(above, scenario.hexmap)
     draw_scenario(above, scenario)
     _draw_paths(above, scenario.hexmap, story)
     _draw_shots(above, scenario.hexmap, story)
     _draw_marks(above, scenario.hexmap, story)
-    _draw_legend(above)
-    _draw_scores(below, replay)
-    above.set_title(_title(replay), fontsize=13)
+    _draw_legend(between, columns=max(2, int(width // _ENTRY)))
+    _draw_scores(below, replay, story)
+    figure.suptitle(_title(replay), fontsize=12, color=INK)
     return figure
+
+
+def _inches(hexmap: HexMap) -> tuple[float, float]:
+    """Width and height of the map on the page: cells are equally large on all maps, as far as the page allows."""
+    cells = np.array([hexmap.width, hexmap.height * np.sqrt(3) / 2])
+    cell = np.clip(_CELL, _LEAST / cells.max(), _MOST / cells.max())
+    width, height = cells * cell
+    return max(float(width), _NARROWEST), float(height)
 
 
 def tell(replay: Replay) -> Story:
@@ -125,7 +139,7 @@ def _draw_paths(axes: Axes, hexmap: HexMap, story: Story) -> None:
         turn = 2 * np.pi * number / max(1, len(story.paths))
         aside = _SPREAD * np.array([np.cos(turn), np.sin(turn)])
         line = _FLIGHT if "aerocraft" in name else "-"
-        colour = _COLOUR[name.split(":")[0]]
+        colour = CAMPS[name.split(":")[0]]
         for way in ways:
             x, y = (where[[hexmap.parse_cell(cell) for cell in way]] + aside).T
             axes.plot(x, y, color=colour, linewidth=1.3, linestyle=line, alpha=0.8, zorder=7)
@@ -136,7 +150,7 @@ def _draw_shots(axes: Axes, hexmap: HexMap, story: Story) -> None:
     for hurt, width, alpha in ((False, 0.4, 0.25), (True, 0.9, 0.7)):
         chosen = [shot for shot in story.shots if shot.hurt == hurt]
         ends = [[where[hexmap.parse_cell(cell)] for cell in (s.start, s.cell)] for s in chosen]
-        colours = [_COLOUR[shot.camp] for shot in chosen]
+        colours = [CAMPS[shot.camp] for shot in chosen]
         lines = LineCollection(
             ends, colors=colours, linewidths=width, alpha=alpha, zorder=8, linestyles=_SHOT
         )
@@ -150,51 +164,49 @@ def _draw_marks(axes: Axes, hexmap: HexMap, story: Story) -> None:
         for mark in marks:
             x, y = where[hexmap.parse_cell(mark.cell)]
             hollow = shape == "o"
-            face, edge = ("none", _COLOUR[mark.camp]) if hollow else (_COLOUR[mark.camp], "white")
+            face, edge = ("none", CAMPS[mark.camp]) if hollow else (CAMPS[mark.camp], "white")
             axes.scatter(x, y, s=size, marker=shape, fc=face, ec=edge, linewidths=width, zorder=9)
     for cell in sorted({mark.cell for mark in story.captures}):
         ticks = ", ".join(dict.fromkeys(f"{m.camp} {m.tick}" for m in story.captures if m.cell == cell))
         place = where[hexmap.parse_cell(cell)]
-        axes.annotate(ticks, place, (7, -10), textcoords="offset points", fontsize=7, zorder=10)
+        axes.annotate(ticks, place, (8, -11), textcoords="offset points", fontsize=7, zorder=10, bbox=_PLATE)
 
 
-def _draw_legend(axes: Axes) -> None:
-    ink: dict[str, Any] = {"color": "#33302b", "linestyle": "none"}
+def _draw_legend(axes: Axes, columns: int) -> None:
+    ink: dict[str, Any] = {"color": INK, "linestyle": "none"}
     entries = [
-        *(Line2D([], [], color=colour, label=f"{camp}: path") for camp, colour in _COLOUR.items()),
-        Line2D([], [], color="#33302b", linestyle=_FLIGHT, label="aerocraft's path"),
-        Line2D([], [], color="#33302b", linewidth=0.9, linestyle=_SHOT, label="shot (bold: with loss)"),
+        *(Line2D([], [], color=colour, label=f"{camp}: path") for camp, colour in CAMPS.items()),
+        Line2D([], [], color=INK, linestyle=_FLIGHT, label="aerocraft's path"),
+        Line2D([], [], color=INK, linewidth=0.9, linestyle=_SHOT, label="shot (bold: with loss)"),
         Line2D([], [], marker="P", label="capture, with its tick", **ink),
         Line2D([], [], marker="X", label="piece destroyed", **ink),
         Line2D([], [], marker="o", fillstyle="none", label="mortar round", **ink),
     ]
-    starts = "starts: T tank, C chariot, S soldier aboard, A aerocraft"
+    starts = "starts: T tank, C chariot, S soldier (+: aboard), A aerocraft"
+    axes.set_axis_off()
     axes.legend(
-        handles=entries, ncols=7, fontsize=7, title=starts, title_fontsize=7, loc="upper center",
-        bbox_to_anchor=(0.5, 0),
+        handles=entries, ncols=min(columns, len(entries)), fontsize=7.5, title=starts, title_fontsize=7.5,
+        loc="center", frameon=False,
     )  # fmt: skip
 
 
-def _draw_scores(axes: Axes, replay: Replay) -> None:
-    ticks = [state["tick"] for state in replay.states]
-    for camp, colour in _COLOUR.items():
-        margins = [state["margin"][camp] for state in replay.states]
-        axes.step(ticks, margins, where="post", color=colour, label=camp)
-    for tick in _capture_ticks(replay):
-        axes.axvline(tick, color="#33302b", linewidth=0.5, linestyle=":")
-    axes.axhline(0, color="#33302b", linewidth=0.6)
-    axes.set(xlabel="tick", ylabel="margin, points", xlim=(0, max(ticks) or 1))
-    axes.legend(loc="upper left", bbox_to_anchor=(1, 1), fontsize=8)
-
-
-def _capture_ticks(replay: Replay) -> Iterator[int]:
-    return (event["tick"] for event in replay.events if event["kind"] == "occupied")
+def _draw_scores(axes: Axes, replay: Replay, story: Story) -> None:
+    end = replay.end["tick"]
+    for camp, steps in margins(replay).items():
+        ticks, values = zip(*steps, (end, steps[-1][1]), strict=True)
+        axes.step(ticks, values, where="post", color=CAMPS[camp], linewidth=1.6, label=camp)
+    for mark in story.captures:
+        axes.axvline(mark.tick, color=CAMPS[mark.camp], linewidth=0.8, linestyle=":")
+    axes.axhline(0, color=INK, linewidth=0.6)
+    words = f"margin of each camp{'; dotted: captures' if story.captures else ''}"
+    dress(axes, words, xlabel="tick", ylabel="points", xlim=(0, end or 1))
+    axes.legend(loc="best", fontsize=8, framealpha=0.7)
 
 
 def _title(replay: Replay) -> str:
     players, end = replay.head.get("players", {}), replay.end
-    names = " against ".join(f"{players.get(c, {}).get('name', '?')} ({c})" for c in _COLOUR)
+    names = " against ".join(f"{players.get(c, {}).get('name', '?')} ({c})" for c in CAMPS)
     results = {"red": "red wins", "blue": "blue wins", "draw": "a draw"}
     result = results.get(end["winner"], f"at tick {end['tick']}")
-    margins = ", ".join(f"{camp} {value:+d}" for camp, value in end["margin"].items())
-    return f"{replay.head['scenario']['name']}, seed {replay.seed}: {names}; {result}; margin {margins}"
+    final = ", ".join(f"{camp} {value:+d}" for camp, value in end["margin"].items())
+    return f"{replay.head['scenario']['name']}: {names}\n{result}; margin {final}"

@@ -38,7 +38,7 @@ from hexwar_sb3.version import __version__
 FORMAT = "hexwar-replay"
 FORMAT_VERSION = 2  # 1 has no lines of what was decided and known
 MAX_SEED = 2**64 - 1
-MOST_COMMAND = 1_000  # characters
+MOST_WORD, MOST_COMMAND = 80, 1_000  # characters
 _HEAD = ("type", "format", "version", "rules", "scenario")
 _OPEN = ("type", "format", "version", "players", "created")  # of the head, in a camp's own record
 _PLAYED = frozenset({"orders", "edit", "state"})
@@ -160,7 +160,7 @@ class Replay:
             head.only((*_HEAD, "seed"), ("players", "software", "created", "command"))
             head.integer("seed", 0, MAX_SEED)
             self._document(self.end, "end").has("margin", "winner", "sha256")
-        for key, limit in (("software", 80), ("created", 80), ("command", MOST_COMMAND)):
+        for key, limit in (("software", MOST_WORD), ("created", MOST_WORD), ("command", MOST_COMMAND)):
             if key in head.data:
                 head.text(key, limit)
         self._check_players()

@@ -32,6 +32,7 @@ MAX_TASKS = 64  # that a piece chooses from
 MAX_CHARACTERS = 10_000  # of a text; an order of a whole path has 520
 MOST = 2**31 - 1
 REWARD = ("points", "own", "enemy")  # parts of a gain, points
+CHOICE = ("piece", "chosen", "tasks", "values", "direction")
 SINCE_2 = frozenset({"decision", "known"})  # kinds of lines that version 1 does not have
 _CAMPS = tuple(map(camp_name, SIDES))
 _OWNERS = tuple(map(camp_name, Camp))
@@ -89,7 +90,7 @@ def _is_known_piece(value: Any) -> bool:
 
 def _is_choice(value: Any) -> bool:
     """[piece, number of the chosen task, tasks, values, direction], as a decision has it."""
-    if not isinstance(value, list | tuple) or len(value) != 5:
+    if not isinstance(value, list | tuple) or len(value) != len(CHOICE):
         return False
     piece, chosen, tasks, values, direction = value
     return (
@@ -215,7 +216,7 @@ LINES: Mapping[str, tuple[Mapping[str, Kind], Mapping[str, Kind]]] = {
             "tick": TICK,
             "camp": CAMP,
             "choices": Kind(
-                f"at most {MAX_SIDE_PIECES} of [piece, chosen, tasks, values, direction]",
+                f"at most {MAX_SIDE_PIECES} of [{', '.join(CHOICE)}]",
                 lambda value: _is_list(value, MAX_SIDE_PIECES, _is_choice),
             ),
         },

@@ -291,6 +291,7 @@ def median_game(margins: NDArray[np.float64]) -> int:
     """Number of the game that half of the games surpass by margin: what a match is like. Of equals it is the first.
 
     Example:
+        >>> import numpy as np
         >>> median_game(np.array([-200.0, 30.0, 10.0, 90.0]))
         2
     """

@@ -57,7 +57,11 @@ ROWS = {
     "seen-camp": Row(says="networks see which camp they play", flags=("--mirrored", "False")),
     "narrow": Row(says="64 hidden units", flags=("--hidden", "64")),
     "broad": Row(says="learns against the broad mixture", opponents=OPPONENTS),
-    "broad-even": Row(says="the same, whoever beats it", opponents=OPPONENTS, flags=("--priority", "0.0")),
+    "broad-even": Row(
+        says="learns against the broad mixture without priorities",
+        opponents=OPPONENTS,
+        flags=("--priority", "0.0"),
+    ),
     "only-ma1": Row(says="learns against MA1 alone", opponents=("MA1",)),
     "gamma-1": Row(says="no discount, eq. (4)", flags=("--gamma", "1.0")),
     "paper-reward": Row(says="margin by eq. (1), Green counts", flags=("--reward", "paper")),

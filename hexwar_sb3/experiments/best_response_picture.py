@@ -6,19 +6,13 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
-
 from hexwar_sb3.experiments.best_response import HALF
-from hexwar_sb3.files import replacing
-
-COLOURS = {"red": "tab:red", "blue": "tab:blue"}
+from hexwar_sb3.pictures import CAMPS, INK, dress, new_figure, write_figure
 
 
 def draw_responses(found: Sequence[dict[str, Any]], path: Path, *, player: str) -> None:
     """Write the curves of all responses as a PNG; their colour is the response's camp."""
-    figure = Figure(figsize=(7, 4), layout="constrained")
-    FigureCanvasAgg(figure)
+    figure = new_figure(7, 4)
     axes = figure.subplots()
     seen: set[str] = set()
     for figures in found:
@@ -26,17 +20,16 @@ def draw_responses(found: Sequence[dict[str, Any]], path: Path, *, player: str) 
         games = [0, *(row["games"] for row in figures["curve"])]
         rates = [float("nan"), *(100 * row["win_rate"] for row in figures["curve"])]
         label = None if camp in seen else f"responses as {camp}"
-        axes.plot(games, rates, color=COLOURS[camp], marker="o", markersize=3, linewidth=1, label=label)
+        axes.plot(games, rates, color=CAMPS[camp], marker="o", markersize=3, linewidth=1, label=label)
         seen.add(camp)
-    axes.axhline(100 * HALF, color="grey", linewidth=0.8)
-    axes.set(
+    axes.axhline(100 * HALF, color=INK, linewidth=0.8)
+    dress(
+        axes,
+        f"Fresh best responses to {player}, a line a training",
         xlabel="games that the response learned from",
         ylabel="win rate against the player, %",
         ylim=(0, 100),
         xlim=(0, None),
-        title=f"Fresh best responses to {player}",
     )
-    axes.grid(alpha=0.3)
-    axes.legend(loc="upper left")
-    with replacing(path) as temporary:
-        figure.savefig(temporary, dpi=120)
+    axes.legend(loc="upper left", fontsize="small")
+    write_figure(figure, path)

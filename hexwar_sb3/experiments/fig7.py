@@ -22,18 +22,20 @@ from hexwar_sb3.experiments.runs import (
     baseline_run,
     hrl_run,
 )
-from hexwar_sb3.files import replacing
 from hexwar_sb3.maps.files import load_scenario
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.lines import Line2D
 
 NAME, GAMES, FINAL_GAMES = "fig7", 10_000, 2_000
 SEEDS = (0, 1, 2)
 SCENARIOS = ("plain", "hills", "paddy")  # the first with all seeds, the others with the first seed
 METHODS = {"hrl": "HRL", "rival": "DQN, HRL's means", "dqn": "DQN, the paper's", "ppo": "MaskablePPO"}
 RIVALS = {"rival": RIVAL_DQN, "dqn": FLAT_DQN, "ppo": TASK_PPO}
+PAPERS = "the paper's HRL0"
 QUANTITIES = (("win_rate", "win rate"), ("mean_margin", "mean margin, points"))
+PAPER = {"MA1": 0.935, "MA2": 0.88}  # win rates of the paper's HRL0, mean of both colours (Tab. I)
 
 
 def runs(budget: Budget, seeds: Sequence[int]) -> list[Run]:
@@ -69,24 +71,40 @@ def draw(all_runs: Sequence[Run], places: Places, path: Path) -> None:
         places: of their results.
         path: picture.
     """
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
+    from matplotlib.ticker import EngFormatter
+
+    from hexwar_sb3.pictures import INK, new_figure, write_figure
 
     there = [run for run in all_runs if places.is_kept(run)]
     scenarios = [name for name in SCENARIOS if any(run.row.endswith(f"-{name}") for run in there)]
-    figure = Figure(figsize=(16, 3.6 * max(1, len(scenarios))), layout="constrained")
-    FigureCanvasAgg(figure)
-    grid = figure.subplots(max(1, len(scenarios)), 4, squeeze=False)
-    columns = [(opponent, *quantity) for opponent in BOTS for quantity in QUANTITIES]
+    rows = max(1, len(scenarios))
+    figure = new_figure(14, 1.2 + 3.0 * rows)
+    grid = figure.subplots(rows, 4, squeeze=False, sharex=True)
+    lines: dict[str, Line2D] = {}
     for i, scenario in enumerate(scenarios):
-        game_ticks = load_scenario(scenario).game_ticks
-        for axes, (opponent, quantity, label) in zip(grid[i], columns, strict=True):
-            for method in METHODS:
-                kept = [places.kept(run) for run in there if run.row == f"{method}-{scenario}"]
-                _draw_method(axes, method, kept, opponent, quantity, game_ticks)
-            _dress(axes, f"{scenario}, against {opponent}", label)
-    with replacing(path) as temporary:
-        figure.savefig(temporary, dpi=100)
+        for j, (quantity, label) in enumerate(QUANTITIES):
+            panels = grid[i, 2 * j : 2 * j + 2]
+            panels[1].sharey(panels[0])
+            for axes, opponent in zip(panels, BOTS, strict=True):
+                for method in METHODS:
+                    kept = [places.kept(run) for run in there if run.row == f"{method}-{scenario}"]
+                    if kept:
+                        _draw_method(
+                            axes, method, kept, opponent, quantity, load_scenario(scenario).game_ticks
+                        )
+                _dress(axes, f"{scenario}, against {opponent}", label, opponent)
+                lines |= {str(line.get_label()): line for line in axes.get_lines()}
+    for axes in grid[-1]:
+        axes.set_xlabel("episodes, of both levels")
+        axes.xaxis.set_major_formatter(EngFormatter(sep=""))  # 10k
+    words = [name for name in (*METHODS.values(), PAPERS) if name in lines]
+    band_says = "band: lowest to highest seed; of one seed its 95 % interval"
+    figure.legend(
+        [lines[name] for name in words],
+        [name if name == PAPERS else f"{name} ({_effort(name, there, places)})" for name in words],
+        title=band_says, loc="outside upper center", ncols=len(words) or 1, frameon=False, labelcolor=INK,
+    )  # fmt: skip
+    write_figure(figure, path)
 
 
 def _draw_method(
@@ -96,27 +114,29 @@ def _draw_method(
 
     Both levels' game time counts, in games of the length of the scenario's.
     """
-    if not kept:
-        return
+    from hexwar_sb3.pictures import colour, draw_band
+
     mean = band([one.curve(opponent) for one in kept], quantity)
-    games, color = mean.ticks / game_ticks, f"C{list(METHODS).index(method)}"
-    axes.plot(games, mean.mean, color=color, marker="o", markersize=3, label=_label(method, kept))
-    axes.fill_between(games, mean.low, mean.high, color=color, alpha=0.25, linewidth=0)
+    line = colour(list(METHODS).index(method))
+    draw_band(
+        axes, mean.ticks / game_ticks, mean.mean, mean.low, mean.high, color=line, label=METHODS[method]
+    )
 
 
-def _label(method: str, kept: list[Kept]) -> str:
+def _effort(name: str, there: Sequence[Run], places: Places) -> str:
+    """Trainings of a method, and what one took."""
+    (method,) = (key for key, words in METHODS.items() if words == name)
+    kept = [places.kept(run) for run in there if run.row.startswith(f"{method}-")]
     minutes = fmean(one.minutes for one in kept)
-    return f"{METHODS[method]}, {len(kept)} seed{'s' * (len(kept) > 1)}, {minutes:.0f} min each"
+    return f"{len(kept)} training{'s' * (len(kept) > 1)}, {minutes:.0f} min each"
 
 
-def _dress(axes: Axes, title: str, label: str) -> None:
-    axes.set_title(title)
-    axes.set_xlabel("episodes, of both levels")
-    axes.set_ylabel(label)
-    axes.grid(alpha=0.3)
+def _dress(axes: Axes, title: str, label: str, opponent: str) -> None:
+    from hexwar_sb3.pictures import FAINT, INK, dress
+
+    dress(axes, title, ylabel=label)
     if label == QUANTITIES[0][1]:
         axes.set_ylim(0, 1)
+        axes.axhline(PAPER[opponent], color=FAINT, linewidth=1.2, linestyle="--", label=PAPERS)
     else:
-        axes.axhline(0, color="grey", linewidth=0.8)
-    if axes.get_legend_handles_labels()[0]:
-        axes.legend(loc="best", fontsize="small", framealpha=0.6)
+        axes.axhline(0, color=INK, linewidth=0.6)
