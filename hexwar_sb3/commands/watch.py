@@ -36,11 +36,8 @@ class Watch:
 
     file: tyro.conf.Positional[Path]  # *.hwr
     verify: bool = False  # play the game again from its orders and compare every state
-    # a page to watch the game in (html), or a picture of all of it (png, svg or pdf)
-    output: Annotated[Path | None, tyro.conf.arg(aliases=["-o"])] = None
-    view: Literal["all", "referee", "red", "blue"] = (
-        "all"  # of the page; a camp's has nothing that it did not know
-    )
+    output: Output = None
+    view: View = "all"
     json: Json = False
 
     def run(self) -> int:
