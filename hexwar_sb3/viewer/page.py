@@ -19,8 +19,8 @@ from hexwar_sb3.engine.replay import Replay
 from hexwar_sb3.errors import ConfigError, UnknownNameError
 from hexwar_sb3.files import replacing
 from hexwar_sb3.viewer.map_block import map_block, map_key
-from hexwar_sb3.viewer.picture import last_picture
-from hexwar_sb3.viewer.story import CAMPS, REFEREE, VIEWS, stories
+from hexwar_sb3.viewer.picture import picture_of
+from hexwar_sb3.viewer.story import CAMPS, REFEREE, VIEWS, Teller
 from hexwar_sb3.viewer.tracks import Json
 
 ALL = "all"
@@ -45,15 +45,20 @@ def replay_page(replay: Replay, view: str = ALL) -> str:
         >>> page.count("<script")  # the map, red's story and the code
         3
     """
+    return page_and_picture(replay, view)[0]
+
+
+def page_and_picture(replay: Replay, view: str) -> tuple[str, bytes]:
+    """The page of a game, and the PNG in it; the game is played again once."""
     if view not in CHOICES:
         raise UnknownNameError("view", view, CHOICES)
-    told = stories(replay, VIEWS if view == ALL else (view,))
-    hexmap = replay.scenario().hexmap
+    teller = Teller(replay)
+    told = teller.stories(VIEWS if view == ALL else (view,))
+    hexmap = teller.game.world.scenario.hexmap
     blocks = {f"map-{map_key(hexmap)}": map_block(hexmap)}
     blocks |= {f"story-1-{name}": story for name, story in told.items()}
-    return filled(
-        _title(told[next(iter(told))], view), blocks, last_picture(replay, view if view in CAMPS else None)
-    )
+    picture = picture_of(teller.game, view if view in CAMPS else None)
+    return filled(_title(told[next(iter(told))], view), blocks, picture), picture
 
 
 def save_page(replay: Replay, path: str | Path, view: str = ALL) -> None:

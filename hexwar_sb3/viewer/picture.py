@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
-from hexwar_sb3.engine.replay import Replay
+from hexwar_sb3.engine.game import Game
 from hexwar_sb3.engine.roster import SIDES, camp_name
 from hexwar_sb3.maps.hexmap import HexMap
 
@@ -28,9 +28,8 @@ class Token(NamedTuple):
     letter: str
 
 
-def last_picture(replay: Replay, camp: str | None = None) -> bytes:
-    """PNG of the map with the pieces at the end of a game, all of them or those that a camp knows."""
-    game = replay.game_at(replay.end["tick"])
+def picture_of(game: Game, camp: str | None = None) -> bytes:
+    """PNG of the map with the pieces of a game as it stands, all of them or those that a camp knows."""
     views = [game.view(name) for name in map(camp_name, SIDES) if camp in (None, name)]
     hexmap = game.world.scenario.hexmap
     image = _ground(hexmap)

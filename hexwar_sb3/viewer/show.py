@@ -7,9 +7,7 @@ import html
 from typing import Any
 
 from hexwar_sb3.engine.replay import Replay
-from hexwar_sb3.viewer.page import ALL, replay_page
-from hexwar_sb3.viewer.picture import last_picture
-from hexwar_sb3.viewer.story import CAMPS
+from hexwar_sb3.viewer.page import ALL, page_and_picture
 
 HEIGHT = 680  # of the frame in a notebook, CSS pixels
 
@@ -47,4 +45,4 @@ def show(replay: Replay, view: str = ALL) -> Shown:
         >>> show(Replay.of(game), "red")
         <a page of ... characters; it shows itself in a notebook>
     """
-    return Shown(replay_page(replay, view), last_picture(replay, view if view in CAMPS else None))
+    return Shown(*page_and_picture(replay, view))

@@ -17,7 +17,8 @@ from hexwar_sb3.engine.record import Line
 from hexwar_sb3.engine.replay import Replay
 from hexwar_sb3.engine.roster import SIDES, camp_name
 from hexwar_sb3.engine.world import World
-from hexwar_sb3.errors import ReplayFileError, UnknownNameError
+from hexwar_sb3.errors import UnknownNameError
+from hexwar_sb3.kernels import Rows
 from hexwar_sb3.rules.compiled import NO_POOL
 from hexwar_sb3.rules.enums import PieceType, TargetClass, Weapon
 from hexwar_sb3.viewer.camp_story import DULL, CampTeller
@@ -54,17 +55,13 @@ def stories(replay: Replay, views: Sequence[str] = VIEWS) -> dict[str, Json]:
     for view in views:
         if view not in VIEWS:
             raise UnknownNameError("view", view, VIEWS)
-    if replay.camp is not None:
-        found, expected = f"the record of {replay.camp} only", "a whole replay"
-        raise ReplayFileError(replay.source, "head", found=found, expected=expected)
-    teller = Teller(replay)
-    common = _common(replay, teller.world)
-    needed = VIEWS if REFEREE in views else views
-    return {view: common | teller.document(view) for view in VIEWS if view in needed}
+    return Teller(replay).stories(views)
 
 
 class Teller:
     """Plays a game again and looks on: for the referee, and with the eyes of each camp."""
+
+    game: Game  # as it ended
 
     def __init__(self, replay: Replay) -> None:
         self.replay = replay
@@ -73,25 +70,31 @@ class Teller:
         before = None
         for game, events in replay.ticks():
             if before is None:
-                self.world, self.roster = game.world, game.roster
+                self.game = game
                 self.camps = {camp: CampTeller(camp, game.roster) for camp in CAMPS}
             self._look(game, events, before)
             before = game.pieces.copy()
 
-    def _look(self, game: Game, events: list[GameEvent], before: np.recarray | None) -> None:
+    def stories(self, views: Sequence[str]) -> dict[str, Json]:
+        """The stories of some views; the referee's comes with both others."""
+        common = _common(self.replay, self.game.world)
+        needed = VIEWS if REFEREE in views else views
+        return {view: common | self._document(view) for view in VIEWS if view in needed}
+
+    def _look(self, game: Game, events: list[GameEvent], before: Rows | None) -> None:
         new = [teller.look(game, events) for teller in self.camps.values()]
         if any(new):
             for camp, margins in self.margins.items():
                 margins.note(game.tick, game.margin(camp))
         if before is not None and events:
-            luck = judge_shots(events, before, self.world, self.roster)
+            luck = judge_shots(events, before, game.world, game.roster)
             self.events += [
                 event.as_dict() | (luck[number].told() if number in luck else {})
                 for number, event in enumerate(events)
                 if event.kind not in DULL
             ]
 
-    def document(self, view: str) -> Json:
+    def _document(self, view: str) -> Json:
         """The part of a story that differs from view to view."""
         lines = self.replay.lines[1:]
         if view != REFEREE:
@@ -101,10 +104,15 @@ class Teller:
             "with": list(CAMPS),
             "margin": self.margins,
             "events": self.events,
-            "end": {key: self.replay.end[key] for key in ("tick", "over", "own", "margin", "winner")},
+            "end": _end(self.game),
             "seed": str(self.replay.seed),  # beyond the whole numbers of a browser
             **told_rewards(lines),
         }
+
+
+def _end(game: Game) -> Json:
+    margins = {camp: game.margin(camp) for camp in CAMPS}
+    return {"tick": game.tick, "over": game.over, "margin": margins, "winner": game.outcome}
 
 
 def _common(replay: Replay, world: World) -> Json:
