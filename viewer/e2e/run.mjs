@@ -9,7 +9,7 @@ import { chromium } from "playwright-core";
 const [file, truthFile] = process.argv.slice(2);
 const truth = JSON.parse(readFileSync(truthFile, "utf8"));
 const executablePath = process.env.CHROMIUM ?? execSync("command -v chromium || command -v chromium-browser", { encoding: "utf8" }).trim();
-const BARS = { firstFrameMs: 1000, slowFirstFrameMs: 2000, refereeFrameMs: 4, fogFrameMs: 8, seekMs: 50 };
+const BARS = { firstFrameMs: 1000, slowFirstFrameMs: 2000, refereeFrameMs: 4, fogFrameMs: 8, seekMs: 50, heapMB: 60 };
 const problems = [];
 
 function check(holds, text) {
@@ -47,6 +47,12 @@ const framed = (sandbox) => async (page) => {
   const handle = await page.waitForSelector("iframe");
   return handle.contentFrame();
 };
+
+async function performanceOf(page) {
+  const session = await page.context().newCDPSession(page);
+  await session.send("Performance.enable");
+  return session.send("Performance.getMetrics");
+}
 
 function percentile(values, share) {
   return [...values].sort((a, b) => a - b)[Math.floor(share * (values.length - 1))];
@@ -145,6 +151,11 @@ try {
       check(figures[view].seekP95Ms < BARS.seekMs, `${view}: p95 of a seek ${figures[view].seekP95Ms} ms`);
     }
   }
+  if (!only) {
+    const { metrics } = await performanceOf(main.page);
+    figures.heapMB = Math.round(metrics.find(({ name }) => name === "JSHeapUsedSize").value / 1e5) / 10;
+    check(figures.heapMB < BARS.heapMB, `${figures.heapMB} MB of heap`);
+  }
   if (!only) await keys(main.page, main.frame);
   if (!only) await readable(main.page, main.frame);
   await main.context.close();
@@ -155,6 +166,12 @@ try {
     await one.context.close();
   }
   if (!only) {
+    const context = await browser.newContext({ javaScriptEnabled: false, offline: true });
+    const page = await context.newPage();
+    await page.goto(`file://${file}`);
+    await page.waitForTimeout(2500);
+    check(await page.locator("#fallback img").isVisible(), "without scripts there is no picture");
+    await context.close();
     const slow = await open(browser, fromFile(4), "four times slower", BARS.slowFirstFrameMs);
     figures.slowFirstFrameMs = Math.round(slow.firstFrameMs);
   }

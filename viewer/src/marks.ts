@@ -278,6 +278,18 @@ export function drawReach(ctx: Ctx, game: Game, ghost: Shown, camera: Camera, pa
   ctx.setLineDash([]);
 }
 
+/** From a piece to an enemy that it sees. */
+export function drawEye(ctx: Ctx, a: Point, b: Point, palette: Palette): void {
+  ctx.beginPath();
+  ctx.moveTo(a.x, a.y);
+  ctx.lineTo(b.x, b.y);
+  ctx.lineWidth = 1.2;
+  ctx.setLineDash([1, 4]);
+  ctx.strokeStyle = palette.ink;
+  ctx.stroke();
+  ctx.setLineDash([]);
+}
+
 /** From where a camp believes a piece to be to where it is. */
 export function drawError(ctx: Ctx, ghost: Point, truth: Point, colour: string): void {
   for (const [width, style] of [[3.4, "rgba(255,255,255,0.7)"], [1.6, colour]] as const) {

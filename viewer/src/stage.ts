@@ -6,10 +6,10 @@ import { type Point, cellAt, centre, extent } from "./hex";
 import { byId } from "./dom";
 import { Sight } from "./los";
 import {
-  type SightPaths, arrow, drawCell, drawError, drawFire, drawPath, drawPoints, drawRanges, drawReach, drawRounds, drawSight, sightPaths,
+  type SightPaths, arrow, drawCell, drawError, drawEye, drawFire, drawPath, drawPoints, drawRanges, drawReach, drawRounds, drawSight, sightPaths,
 } from "./marks";
-import type { Scene } from "./panels";
-import { decisionOf, taskCell } from "./panels";
+import { decisionOf, taskCell } from "./policypanel";
+import type { Scene } from "./scene";
 import { fade } from "./palette";
 import type { Game, Shown } from "./state";
 import { CAMPS } from "./story";
@@ -156,6 +156,7 @@ export class Stage {
     if (choices.policy && !picked) for (const one of state.pieces) this.drawChoice(ctx, scene, one, false);
     if (scene.cell >= 0) drawCell(ctx, game.map, scene.cell, this.camera, palette);
     if (!shown || shown.blood === 0 || shown.cell < 0) return;
+    for (const enemy of game.seenFrom(shown.piece, state)) drawEye(ctx, this.camera.toScreen(shown.at), this.camera.toScreen(enemy.at), palette);
     if (choices.ranges) drawRanges(ctx, game, shown, this.camera, palette);
     drawPath(ctx, game.map, shown.at, game.path(shown.piece, state.tick), this.camera, palette.camp[shown.piece.camp]);
     if (choices.policy) this.drawChoice(ctx, scene, shown, true);

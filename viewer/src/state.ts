@@ -150,6 +150,11 @@ export class Game {
     return this.pieces.filter((one) => one.own && valueAt(one.own.sees, tick, []).includes(piece.index));
   }
 
+  /** The enemies that a piece sees itself. */
+  seenFrom(piece: Piece, state: State): Shown[] {
+    return valueAt(piece.own?.sees, state.tick, []).map((index) => state.pieces[index]);
+  }
+
   path(piece: Piece, tick: number): number[] {
     if (!piece.own) return [];
     const hop = hopAt(piece.own, tick);
