@@ -2,7 +2,7 @@
 
 import { build } from "./build";
 import { type Moment, SPEEDS, readMoment, writeMoment } from "./commands";
-import { byId, make, press, say } from "./dom";
+import { byId, press, say } from "./dom";
 import { type HexMap, cellName, parseCell, readMap } from "./hex";
 import { listen } from "./input";
 import { type Entry, entriesOf, luckOf, signed } from "./log";
@@ -241,12 +241,9 @@ export class Page {
   drawTexts(scene: Scene, now: number): void {
     const { state } = scene;
     this.drawScore(scene);
-    const clock = byId("clock");
     const minutes = `${Math.floor(state.tick / 60)}:${String(state.tick % 60).padStart(2, "0")}`;
-    if (clock.dataset.tick !== String(state.tick)) {
-      clock.dataset.tick = String(state.tick);
-      clock.replaceChildren("tick ", make("b", {}, String(state.tick)), make("span", { class: "of" }, ` of ${this.game.story.game_ticks}  (${minutes})`));
-    }
+    say(byId("tick"), String(state.tick));
+    say(byId("of"), ` of ${this.game.story.game_ticks}  (${minutes})`);
     say(byId("speed"), `${this.speed}×`);
     const slider = byId("timeline");
     slider.setAttribute("aria-valuemax", String(this.game.last));
