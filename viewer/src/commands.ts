@@ -78,6 +78,7 @@ export const KEYS: [string, string][] = [
   ["m", "mute the marks of the timeline"],
   ["x", "take the loop away (shift-drag the timeline makes one)"],
   ["+ − 0", "closer, farther, whole map"],
+  ["s", "save a picture, a film or the events"],
   ["c", "copy a link to this moment"],
   ["/", "type: t 577, tank1, 0912, red, speed 8"],
   ["Esc", "let go of what is picked"],

@@ -6,12 +6,13 @@ import { cellName, centre } from "./hex";
 import { spoken } from "./log";
 import { DECISION, GAME, type Page } from "./page";
 import { ground } from "./piecespanel";
+import { openSaving } from "./save";
 import { viewsOf } from "./story";
 
 export function listen(page: Page): void {
   const clicks: Record<string, () => void> = {
     play: () => page.play(!page.playing), previous: () => page.step(-1), next: () => page.step(1), decision: () => page.decide(),
-    speed: () => page.setSpeed(SPEEDS[(SPEEDS.indexOf(page.speed) + 1) % SPEEDS.length]), share: () => void page.share(),
+    speed: () => page.setSpeed(SPEEDS[(SPEEDS.indexOf(page.speed) + 1) % SPEEDS.length]), share: () => void page.share(), save: () => openSaving(page),
     theme: () => page.setDark(!page.dark), help: () => byId<HTMLDialogElement>("keys").showModal(),
     closer: () => page.zoom(1.5), farther: () => page.zoom(1 / 1.5), whole: () => page.whole(),
   };
@@ -136,13 +137,13 @@ function key(page: Page, event: KeyboardEvent): void {
     else if (event.key === "Escape") byId("line").hidden = true;
     return;
   }
-  if (byId<HTMLDialogElement>("keys").open) return;
+  if (document.querySelector("dialog[open]")) return;
   const acts: Record<string, () => void> = {
     " ": () => page.play(!page.playing), n: () => page.step(1), p: () => page.step(-1), d: () => page.decide(),
     ArrowRight: () => page.seek(page.time + (event.shiftKey ? DECISION : 1)), ArrowLeft: () => page.seek(page.time - (event.shiftKey ? DECISION : 1)),
     Home: () => page.seek(0), End: () => page.seek(page.game.last), "[": () => page.faster(-1), "]": () => page.faster(1),
     l: () => page.toggle("los"), r: () => page.toggle("ranges"), b: () => page.toggle("beliefs"), g: () => page.toggle("fog"),
-    f: () => page.toggle("follow"), q: () => page.openTab("policy"), m: () => (page.muted = !page.muted), c: () => void page.share(),
+    f: () => page.toggle("follow"), q: () => page.openTab("policy"), m: () => (page.muted = !page.muted), c: () => void page.share(), s: () => openSaving(page),
     x: () => (page.timeline.loop = null), "+": () => page.zoom(1.5), "=": () => page.zoom(1.5), "-": () => page.zoom(1 / 1.5), "0": () => page.whole(),
     "/": () => type(), "?": () => byId<HTMLDialogElement>("keys").showModal(), Escape: () => page.pick(null),
   };

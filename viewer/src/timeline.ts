@@ -117,7 +117,7 @@ export class Timeline {
       ctx.fillText(value > 0 ? `+${value}` : `${value}`.replace("-", "−"), LEFT - 6, y(value));
     }
     ctx.textAlign = "center";
-    const every = width < 560 ? 600 : 300;
+    const every = [1, 5, 15, 60, 150, 300, 600, 1500, 3000].find((one) => (one / this.gameTicks) * width >= 70) ?? 6000;
     for (let tick = 0; tick <= this.gameTicks; tick += every) {
       ctx.textAlign = this.x(tick) > width - 24 ? "right" : "center";
       ctx.fillText(String(tick), this.x(tick) + (ctx.textAlign === "right" ? RIGHT : 0), height - 6);

@@ -3,6 +3,7 @@ import { readCommand, readMoment, writeMoment } from "../src/commands";
 import { apart, cellAt, cellName, centre, neighbour, parseCell, readMap } from "../src/hex";
 import { entriesOf, luckOf } from "../src/log";
 import { Game } from "../src/state";
+import { csvOf, csvValue } from "../src/save";
 import { type StoryDoc, valueAt } from "../src/story";
 
 const map = readMap({
@@ -98,4 +99,12 @@ test("the command line knows ticks, pieces, cells, views and speeds", () => {
   expect(read("?")).toEqual({ kind: "help" });
   expect(read("speed 7").kind).toBe("unknown");
   expect(read("").kind).toBe("unknown");
+});
+
+test("events as CSV say what they are of, and run nothing", () => {
+  const lines = csvOf(entriesOf(new Game(story, map)), "=Ann against Ben").split("\r\n");
+  expect(lines[0]).toBe("'=Ann against Ben");
+  expect(lines[1]).toBe("tick,camp,kind,text,luck");
+  expect(lines.find((line) => line.startsWith("25,red,hit"))).toBe('25,red,hit,"red tank0 GUN → blue tank0, 3 cells: expected 7.4, 2d6 = 7 (level 9, −2), lost 2 = 20 points",12.6');
+  expect([csvValue('a"b'), csvValue("-1"), csvValue(-1)]).toEqual(['"a""b"', "'-1", "-1"]);
 });
