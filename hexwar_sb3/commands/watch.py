@@ -21,13 +21,15 @@ Output = Annotated[
     Path | None,
     tyro.conf.arg(
         aliases=("-o",),
-        help="a page to watch the game in (html), or a picture of all of it (png, svg or pdf)",
+        help="a page to watch the game in (html), a film of a part (gif), or a picture of all of it (png, svg, pdf)",
     ),
 ]
 View = Annotated[
     Literal["all", "referee", "red", "blue"],
-    tyro.conf.arg(help="whose eyes the page has; a camp's has nothing that it did not know"),
+    tyro.conf.arg(help="whose eyes page and film have; a camp's have nothing that it did not know"),
 ]
+Start = Annotated[int, tyro.conf.arg(name="from", help="first tick of a film")]
+Until = Annotated[int | None, tyro.conf.arg(name="to", help="last tick of a film; else the end of the game")]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -38,6 +40,8 @@ class Watch:
     verify: bool = False  # play the game again from its orders and compare every state
     output: Output = None
     view: View = "all"
+    start: Start = 0
+    until: Until = None
     json: Json = False
 
     def run(self) -> int:
@@ -63,11 +67,18 @@ class Watch:
 
             save_page(replay, path, self.view)
             print(f"page: {path}", file=sys.stderr)
+        elif path.suffix == ".gif":
+            from hexwar_sb3.viewer import save_gif
+
+            save_gif(replay, path, self.start, self.until, "referee" if self.view == "all" else self.view)
+            print(f"film: {path}", file=sys.stderr)
         else:
             from hexwar_sb3.engine.picture import save_game_picture
 
             if self.view != "all":
-                raise ConfigError(f"--view {self.view}: only a page has views; name an .html file with -o")
+                raise ConfigError(
+                    f"--view {self.view}: only a page or a film has views; name an .html or .gif file"
+                )
             save_game_picture(replay, path)
             print(f"picture: {path}", file=sys.stderr)
 

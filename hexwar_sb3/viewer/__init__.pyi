@@ -1,3 +1,4 @@
+from .gif import save_gif as save_gif
 from .page import replay_page as replay_page
 from .page import save_page as save_page
 from .show import Shown as Shown

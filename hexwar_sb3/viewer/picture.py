@@ -10,14 +10,15 @@ from PIL import Image, ImageDraw, ImageFont
 
 from hexwar_sb3.engine.game import Game
 from hexwar_sb3.engine.roster import SIDES, camp_name
+from hexwar_sb3.engine.view import SideView
 from hexwar_sb3.maps.hexmap import HexMap
 
 MAX_BYTES = 40_000
 _CELL = 10.0  # width, in dots
 _GROUND = ("#dfe5cf", "#d6dcc0", "#cdd0b0", "#c2c1a0", "#b5ae90", "#a89c82")  # from low to high
 _FOREST, _MARSH, _LAKE, _ROAD = "#9dba8f", "#b4d0c6", "#9fc3de", "#f6efdc"
-_COLOUR = {"red": "#c8321f", "blue": "#1f5fbf", "green": "#8a8f86"}
-_INK, _RIM = "#22262b", "#ffffff"
+CAMP_COLOUR = {"red": "#c8321f", "blue": "#1f5fbf", "green": "#8a8f86"}
+INK, _RIM = "#22262b", "#ffffff"
 
 
 class Token(NamedTuple):
@@ -30,37 +31,44 @@ class Token(NamedTuple):
 
 def picture_of(game: Game, camp: str | None = None) -> bytes:
     """PNG of the map with the pieces of a game as it stands, all of them or those that a camp knows."""
+    return _small_png(draw_game(ground(game.world.scenario.hexmap), game, camp))
+
+
+def draw_game(map_image: Image.Image, game: Game, camp: str | None = None) -> Image.Image:
+    """A copy of the map's picture with points and pieces on it."""
     views = [game.view(name) for name in map(camp_name, SIDES) if camp in (None, name)]
-    hexmap = game.world.scenario.hexmap
-    image = _ground(hexmap)
+    hexmap, image = game.world.scenario.hexmap, map_image.copy()
     pen = ImageDraw.Draw(image)
     for point in views[0].points:
-        _draw_point(
-            pen, _place(hexmap.parse_cell(point.cell), hexmap), point.owner, f"{point.name} {point.value}"
-        )
+        text = f"{point.name} {point.value}"
+        _draw_point(pen, place_of(hexmap.parse_cell(point.cell), hexmap), point.owner, text)
     for view in views:
-        own = [piece for piece in view.own if piece.alive and piece.aboard is None]
-        tokens = [Token(view.camp, piece.cell, piece.kind[0].upper()) for piece in own]
-        if camp is not None:
-            tokens += [Token(one.name.split(":")[0], one.cell, one.kind[0].upper()) for one in view.seen]
-        for token in tokens:
-            _draw_token(pen, _place(hexmap.parse_cell(token.cell), hexmap), token)
-    return _small_png(image)
+        for token in _tokens(view, with_enemies=camp is not None):
+            _draw_token(pen, place_of(hexmap.parse_cell(token.cell), hexmap), token)
+    return image
 
 
-def _place(cell: int, hexmap: HexMap) -> tuple[float, float]:
+def _tokens(view: SideView, *, with_enemies: bool) -> list[Token]:
+    own = [piece for piece in view.own if piece.alive and piece.aboard is None]
+    tokens = [Token(view.camp, piece.cell, piece.kind[0].upper()) for piece in own]
+    seen = view.seen if with_enemies else ()
+    return tokens + [Token(one.name.split(":")[0], one.cell, one.kind[0].upper()) for one in seen]
+
+
+def place_of(cell: int, hexmap: HexMap) -> tuple[float, float]:
     """Centre of a cell, in dots."""
     y, x = divmod(cell, hexmap.width)
     return (x + 0.5 + (y & 1) / 2) * _CELL, (y + 2 / 3) * _CELL * np.sqrt(3) / 2
 
 
-def _ground(hexmap: HexMap) -> Image.Image:
+def ground(hexmap: HexMap) -> Image.Image:
+    """The map alone."""
     size = int(hexmap.width * _CELL), int((hexmap.height + 1 / 3) * _CELL * np.sqrt(3) / 2) + 1
     image = Image.new("RGB", size, _RIM)
     pen = ImageDraw.Draw(image)
     step = max(1, int(hexmap.elev_m.max())) / (len(_GROUND) - 1)
     for cell in map(int, np.flatnonzero(hexmap.playable)):
-        x, y = _place(cell, hexmap)
+        x, y = place_of(cell, hexmap)
         colour = _GROUND[round(int(hexmap.elev_m.flat[cell]) / step)]
         for layer, other in ((hexmap.slushy, _MARSH), (hexmap.concealed, _FOREST), (hexmap.paved, _ROAD)):
             colour = other if layer.flat[cell] else colour
@@ -71,9 +79,9 @@ def _ground(hexmap: HexMap) -> Image.Image:
 
 def _draw_point(pen: ImageDraw.ImageDraw, place: tuple[float, float], owner: str, text: str) -> None:
     x, y = place
-    pen.regular_polygon((x, y, 9), 4, rotation=45, fill=_COLOUR[owner], outline=_RIM)
+    pen.regular_polygon((x, y, 9), 4, rotation=45, fill=CAMP_COLOUR[owner], outline=_RIM)
     pen.text(
-        (x, y - 16), text, _INK, ImageFont.load_default(13), anchor="mm", stroke_width=2, stroke_fill=_RIM
+        (x, y - 16), text, INK, ImageFont.load_default(13), anchor="mm", stroke_width=2, stroke_fill=_RIM
     )
 
 
@@ -81,9 +89,9 @@ def _draw_token(pen: ImageDraw.ImageDraw, place: tuple[float, float], token: Tok
     x, y = place
     box = (x - 8, y - 8, x + 8, y + 8)
     if token.camp == "red":
-        pen.rounded_rectangle(box, 3, _COLOUR["red"], _RIM, 2)
+        pen.rounded_rectangle(box, 3, CAMP_COLOUR["red"], _RIM, 2)
     else:
-        pen.ellipse(box, _COLOUR["blue"], _RIM, 2)
+        pen.ellipse(box, CAMP_COLOUR["blue"], _RIM, 2)
     pen.text((x, y), token.letter, _RIM, ImageFont.load_default(12), anchor="mm")
 
 
