@@ -14,11 +14,11 @@ from hexwar_sb3.errors import ConfigError, UnknownNameError
 from hexwar_sb3.files import replacing
 from hexwar_sb3.kernels import Rows
 from hexwar_sb3.viewer.luck import SHOTS
-from hexwar_sb3.viewer.picture import CAMP_COLOUR, INK, draw_game, ground, place_of
+from hexwar_sb3.viewer.picture import CAMP_COLOUR, INK, draw_game, ground, place_of, with_few_colours
 from hexwar_sb3.viewer.story import CAMPS, NAME_CHARACTERS, REFEREE, VIEWS
 
 MOST_FRAMES = 120
-_WIDTH, _CAPTION, _FRAME_MS, _COLOURS = 480, 22, 80, 64
+_WIDTH, _CAPTION, _FRAME_MS = 480, 22, 80
 Shot = tuple[str, int, int, bool]  # camp, from cell, to cell, with loss
 
 
@@ -45,8 +45,8 @@ def save_gif(
     if not 0 <= start < until <= last:
         raise ConfigError(f"ticks {start} to {until}; expected two ticks of 0..{last}, the second one later")
     frames = list(_frames(replay, start, until, view))
-    first = frames[0].quantize(_COLOURS, dither=Image.Dither.NONE)
-    rest = [frame.quantize(palette=first, dither=Image.Dither.NONE) for frame in frames[1:]]
+    first = with_few_colours(frames[0])
+    rest = [with_few_colours(frame, first) for frame in frames[1:]]
     with replacing(Path(path)) as temporary:
         first.save(
             temporary, "GIF", save_all=True, append_images=rest, duration=_FRAME_MS, loop=0, optimize=True

@@ -14,11 +14,12 @@ from hexwar_sb3.engine.view import SideView
 from hexwar_sb3.maps.hexmap import HexMap
 
 MAX_BYTES = 40_000
+COLOURS = 64
 _CELL = 10.0  # width, in dots
 _GROUND = ("#dfe5cf", "#d6dcc0", "#cdd0b0", "#c2c1a0", "#b5ae90", "#a89c82")  # from low to high
 _FOREST, _MARSH, _LAKE, _ROAD = "#9dba8f", "#b4d0c6", "#9fc3de", "#f6efdc"
 CAMP_COLOUR = {"red": "#c8321f", "blue": "#1f5fbf", "green": "#8a8f86"}
-INK, _RIM = "#22262b", "#ffffff"
+INK, RIM = "#22262b", "#ffffff"
 
 
 class Token(NamedTuple):
@@ -64,7 +65,7 @@ def place_of(cell: int, hexmap: HexMap) -> tuple[float, float]:
 def ground(hexmap: HexMap) -> Image.Image:
     """The map alone."""
     size = int(hexmap.width * _CELL), int((hexmap.height + 1 / 3) * _CELL * np.sqrt(3) / 2) + 1
-    image = Image.new("RGB", size, _RIM)
+    image = Image.new("RGB", size, RIM)
     pen = ImageDraw.Draw(image)
     step = max(1, int(hexmap.elev_m.max())) / (len(_GROUND) - 1)
     for cell in map(int, np.flatnonzero(hexmap.playable)):
@@ -79,27 +80,38 @@ def ground(hexmap: HexMap) -> Image.Image:
 
 def _draw_point(pen: ImageDraw.ImageDraw, place: tuple[float, float], owner: str, text: str) -> None:
     x, y = place
-    pen.regular_polygon((x, y, 9), 4, rotation=45, fill=CAMP_COLOUR[owner], outline=_RIM)
-    pen.text(
-        (x, y - 16), text, INK, ImageFont.load_default(13), anchor="mm", stroke_width=2, stroke_fill=_RIM
-    )
+    pen.regular_polygon((x, y, 9), 4, rotation=45, fill=CAMP_COLOUR[owner], outline=RIM)
+    pen.text((x, y - 16), text, INK, ImageFont.load_default(13), anchor="mm", stroke_width=2, stroke_fill=RIM)
 
 
 def _draw_token(pen: ImageDraw.ImageDraw, place: tuple[float, float], token: Token) -> None:
     x, y = place
     box = (x - 8, y - 8, x + 8, y + 8)
     if token.camp == "red":
-        pen.rounded_rectangle(box, 3, CAMP_COLOUR["red"], _RIM, 2)
+        pen.rounded_rectangle(box, 3, CAMP_COLOUR["red"], RIM, 2)
     else:
-        pen.ellipse(box, CAMP_COLOUR["blue"], _RIM, 2)
-    pen.text((x, y), token.letter, _RIM, ImageFont.load_default(12), anchor="mm")
+        pen.ellipse(box, CAMP_COLOUR["blue"], RIM, 2)
+    pen.text((x, y), token.letter, RIM, ImageFont.load_default(12), anchor="mm")
+
+
+def with_few_colours(image: Image.Image, palette: Image.Image | None = None) -> Image.Image:
+    """Of 64 colours, those of the camps among them, few as their dots are."""
+    if palette is None:
+        key = [*CAMP_COLOUR.values(), INK, RIM]
+        height = image.height // len(key) + 1
+        wide = Image.new("RGB", (image.width * 5 // 4, image.height))
+        wide.paste(image)
+        for number, colour in enumerate(key):
+            wide.paste(colour, (image.width, number * height, wide.width, (number + 1) * height))
+        palette = wide.quantize(COLOURS, dither=Image.Dither.NONE)
+    return image.quantize(palette=palette, dither=Image.Dither.NONE)
 
 
 def _small_png(image: Image.Image) -> bytes:
     """Of few colours, and smaller until it fits."""
     while True:
         packed = BytesIO()
-        image.quantize(64, dither=Image.Dither.NONE).save(packed, format="png", optimize=True)
+        with_few_colours(image).save(packed, format="png", optimize=True)
         if packed.tell() <= MAX_BYTES:
             return packed.getvalue()
         image = image.resize((image.width * 3 // 4, image.height * 3 // 4), Image.Resampling.LANCZOS)
