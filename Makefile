@@ -7,7 +7,7 @@ JOBS ?= 2
 # One thread a process: torch and numpy gain nothing from more, and the tests run side by side.
 export OMP_NUM_THREADS ?= 1
 
-.PHONY: setup links train test test-slow unit mutants lint type layers bench docs site examples notebooks
+.PHONY: setup links train test test-slow unit mutants lint type layers bench docs site examples notebooks viewer test-viewer
 
 setup: links $(STAMP)
 
@@ -52,6 +52,19 @@ layers: setup
 
 bench: setup
 	$(BIN)/hexwar bench
+
+# The page that shows games: hexwar_sb3/viewer/built/page.html, of the sources in viewer/. Needs Node; nothing else here does.
+viewer: viewer/node_modules/.installed
+	cd viewer && npx tsc && npx vitest run && npx vite build --logLevel warn
+
+viewer/node_modules/.installed: viewer/package.json viewer/package-lock.json
+	cd viewer && npm ci --no-audit --no-fund
+	touch $@
+
+# Built anew it is the same file, and in a browser it shows what the games say. Needs Chromium, too.
+test-viewer: setup viewer
+	git diff --exit-code hexwar_sb3/viewer/built
+	SPEED=yes $(BIN)/python -m pytest -q -m browser tests/viewer
 
 # docs/features.md is the feature table of the code; the tables of docs/rules.md are its rule tables.
 docs: setup

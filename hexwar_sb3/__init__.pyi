@@ -28,3 +28,4 @@ from .maps.files import load_scenario as load_scenario
 from .players.frozen import FrozenPolicy as FrozenPolicy
 from .players.terms import Terms as Terms
 from .version import __version__ as __version__
+from .viewer.show import show as show

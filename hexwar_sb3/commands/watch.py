@@ -1,19 +1,35 @@
-"""`hexwar watch`: a recorded game as text or picture, and its verification."""
+"""`hexwar watch`: a recorded game as text, picture or page, and its verification."""
 
 from __future__ import annotations
 
 import sys
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import tyro
 
 from hexwar_sb3.commands.output import print_json
 from hexwar_sb3.commands.settings import Json
+from hexwar_sb3.errors import ConfigError
 
 if TYPE_CHECKING:
     from hexwar_sb3.engine.replay import Replay
+
+
+Output = Annotated[
+    Path | None,
+    tyro.conf.arg(
+        aliases=("-o",),
+        help="a page to watch the game in (html), a film of a part (gif), or a picture of all of it (png, svg, pdf)",
+    ),
+]
+View = Annotated[
+    Literal["all", "referee", "red", "blue"],
+    tyro.conf.arg(help="whose eyes page and film have; a camp's have nothing that it did not know"),
+]
+Start = Annotated[int, tyro.conf.arg(name="from", help="first tick of a film")]
+Until = Annotated[int | None, tyro.conf.arg(name="to", help="last tick of a film; else the end of the game")]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -22,7 +38,10 @@ class Watch:
 
     file: tyro.conf.Positional[Path]  # *.hwr
     verify: bool = False  # play the game again from its orders and compare every state
-    output: Path | None = None  # picture of the whole game (png, svg or pdf): paths, shots, captures, margins
+    output: Output = None
+    view: View = "all"
+    start: Start = 0
+    until: Until = None
     json: Json = False
 
     def run(self) -> int:
@@ -33,10 +52,7 @@ class Watch:
         if self.verify:
             replay.verify()
         if self.output is not None:
-            from hexwar_sb3.engine.picture import save_game_picture
-
-            save_game_picture(replay, self.output)
-            print(f"picture: {self.output}", file=sys.stderr)
+            self._write(replay, self.output)
         if self.json:
             print_json({"file": str(self.file), "verified": self.verify, **figures(replay)})
         else:
@@ -44,6 +60,27 @@ class Watch:
             if self.verify:
                 print("verified: played again, every state is the same")
         return 0
+
+    def _write(self, replay: Replay, path: Path) -> None:
+        if path.suffix == ".html":
+            from hexwar_sb3.viewer import save_page
+
+            save_page(replay, path, self.view)
+            print(f"page: {path}", file=sys.stderr)
+        elif path.suffix == ".gif":
+            from hexwar_sb3.viewer import save_gif
+
+            save_gif(replay, path, self.start, self.until, "referee" if self.view == "all" else self.view)
+            print(f"film: {path}", file=sys.stderr)
+        else:
+            from hexwar_sb3.engine.picture import save_game_picture
+
+            if self.view != "all":
+                raise ConfigError(
+                    f"--view {self.view}: only a page or a film has views; name an .html or .gif file"
+                )
+            save_game_picture(replay, path)
+            print(f"picture: {path}", file=sys.stderr)
 
 
 def figures(replay: Replay) -> dict[str, Any]:

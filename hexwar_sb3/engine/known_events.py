@@ -19,7 +19,7 @@ Follow = Callable[[Game, Line, int], None]
 _ACTS = frozenset({"orders", "edit", "decision"})
 _NAMES = ("piece", "target", "shooter")
 _OWN_ONLY = frozenset({"mortar_fired", "mortar_landed", "refused"})
-_DICE = frozenset({"roll", "raw", "correction_roll", "modifiers", "correction"})
+DICE = frozenset({"roll", "raw", "correction_roll", "modifiers", "correction"})
 """A modifier may tell of an unseen piece beside the target, so a camp's record has no dice."""
 
 
@@ -76,5 +76,5 @@ def is_known(event: GameEvent, camp: Camp, roster: Roster, before: Rows, after: 
 
 
 def _plain_event(event: GameEvent) -> Line:
-    shown = {name: value for name, value in event.as_dict().items() if name not in _DICE}
+    shown = {name: value for name, value in event.as_dict().items() if name not in DICE}
     return {"type": "event"} | shown

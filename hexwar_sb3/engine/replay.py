@@ -7,6 +7,7 @@ edits alone make the same game again; `verify` does so and compares every state.
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Iterator
 from dataclasses import dataclass
 from datetime import UTC, datetime
@@ -15,6 +16,7 @@ from typing import Any
 
 from hexwar_sb3.engine.edit import Editor
 from hexwar_sb3.engine.game import Game
+from hexwar_sb3.engine.game_events import GameEvent
 from hexwar_sb3.engine.known_events import known_lines
 from hexwar_sb3.engine.orders import Order
 from hexwar_sb3.engine.record import Line, Recorder, state_hash, state_line
@@ -300,6 +302,24 @@ class Replay:
             self._follow(game, line, number)
         game.advance(max(0, tick - game.tick))
         return game
+
+    def ticks(self) -> Iterator[tuple[Game, list[GameEvent]]]:
+        """Play it again tick by tick: the game as it stands at each tick, and the events that led there.
+
+        It is one game that goes on; a caller that wants to keep something of it copies that.
+        """
+        game, events = self._new_game(), list[GameEvent]()
+        acts = deque(
+            (n, line) for n, line in enumerate(self.lines, start=1) if line["type"] in {"orders", "edit"}
+        )
+        while True:
+            while acts and acts[0][1]["tick"] == game.tick:
+                number, line = acts.popleft()
+                self._follow(game, line, number)
+            yield game, events
+            if game.over or game.tick >= self.end["tick"]:
+                return
+            events = game.advance(1)
 
     def _new_game(self) -> Game:
         if self.camp is not None:

@@ -74,6 +74,19 @@ def test_a_replay_gives_back_the_game_at_any_tick(path: Path, game: Game) -> Non
     assert state_hash(early.state, 0) == replay.states[1]["hash"]
 
 
+def test_a_replay_goes_tick_by_tick_through_the_same_states_and_events(path: Path) -> None:
+    replay = Replay.load(path)
+    hashes, events, ticks = {}, list[dict[str, Any]](), []
+    for game, happened in replay.ticks():
+        ticks.append(game.tick)
+        hashes[game.tick] = state_hash(game.state, 0)
+        events += [{"type": "event"} | event.as_dict() for event in happened if event.kind != "refused"]
+    assert ticks == list(range(401))
+    edited = 100  # after the state line of that tick
+    assert all(hashes[line["tick"]] == line["hash"] for line in replay.states if line["tick"] != edited)
+    assert events == replay.events
+
+
 def test_refused_orders_are_written_with_their_reason_and_null_orders_not(game: Game) -> None:
     lines = [line for line in Replay.of(game).lines if line["type"] == "orders"]
     assert [line["camp"] for line in lines] == ["red", "red", "blue"]

@@ -26,9 +26,8 @@ from hexwar_sb3.algorithms import (
 )
 from hexwar_sb3.algorithms.hierarchical import PLAIN_GAMMA
 from hexwar_sb3.algorithms.presets import FALLS, OF_POLICY
-from hexwar_sb3.engine import edit, replay_file, replay_lines, view
+from hexwar_sb3.engine import edit, known_events, replay_file, replay_lines, view
 from hexwar_sb3.engine.codes import Event
-from hexwar_sb3.engine.known_events import _DICE
 from hexwar_sb3.engine.orders import ORDERS, verb
 from hexwar_sb3.engine.records import PATH_CELLS
 from hexwar_sb3.engine.replay import MAX_SEED, PlayerName
@@ -52,6 +51,9 @@ from hexwar_sb3.rules.tables import AEROCRAFT
 from hexwar_sb3.tasks import spots_file
 from hexwar_sb3.tasks.spots import load_spots
 from hexwar_sb3.tasks.spots_file import CampSpots, read_spots
+from hexwar_sb3.viewer import page as viewer_page
+from hexwar_sb3.viewer import picture, stories, story
+from hexwar_sb3.viewer.decisions import told_decisions, told_rewards
 
 ROOT = Path(__file__).parents[2]
 INDEX = ROOT / "docs" / "formats.md"
@@ -192,6 +194,41 @@ def test_the_replay_loads_and_plays_again(folder: Path) -> None:
     replay_file.write_lines(folder / "changed.hwr", lines)
     with pytest.raises(ReplayFileError, match=r"end\.sha256"):
         hx.Replay.load(folder / "changed.hwr")
+
+
+@pytest.fixture
+def told(folder: Path) -> dict[str, Any]:
+    """Stories of the replay of the example."""
+    replay_file.write_lines(folder / "two_tanks.hwr", list(replay_examples()))
+    return stories(hx.Replay.load("two_tanks.hwr"))
+
+
+def test_the_stories_are_those_of_the_replay(told: dict[str, Any]) -> None:
+    assert json.loads(example("story")) == without(told["red"], "rules")
+    common = [key for key, value in told["referee"].items() if told["red"].get(key) == value]
+    assert json.loads(example("story.referee")) == without(
+        told["referee"], *{*common} - {"format", "version"}
+    )
+
+
+DECIDED = {"type": "decision", "tick": 0, "camp": "red", "reward": {}, "choices": []}
+
+
+def test_the_page_on_stories_has_every_field_of_them(told: dict[str, Any]) -> None:
+    roster = hx.Game("plain").roster
+    camp = {*told["red"], *told_decisions([DECIDED], roster)}
+    referee = {*told["referee"], *told_rewards([DECIDED])}
+    common = {*told["red"]} & {*told["referee"]} - {"events"}
+    piece = {field for one in ("red", "blue") for own in told[one]["pieces"].values() for field in own}
+    shot = told["referee"]["events"][0].keys() - {*told["red"]["events"][0]} - known_events.DICE
+
+    assert set(rows("story", "Fields of every story", "field")) == common
+    assert set(rows("story", "Fields of a camp's story", "field")) == camp - common
+    assert set(rows("story", "Fields of the referee's story", "referee")) == referee - common
+    assert {field for field in piece if not field.endswith("_ends")} <= set(
+        rows("story", "Fields of a piece", "piece")
+    )
+    assert set(rows("story", "The luck of a shot", "luck")) == shot
 
 
 def test_the_policy_is_made_and_loads(folder: Path) -> None:
@@ -349,7 +386,7 @@ def test_the_objects_of_a_view_are_told() -> None:
 def test_the_dice_are_marked() -> None:
     events = rows("replay", "Line `event`", "field")
 
-    assert {name for name, row in events.items() if row["meaning"].endswith("; dice")} == _DICE
+    assert {name for name, row in events.items() if row["meaning"].endswith("; dice")} == known_events.DICE
 
 
 def test_the_axes_of_the_arrays_are_told() -> None:
@@ -461,6 +498,7 @@ LIMITS: dict[str, tuple[int, ...]] = {
     "policy": (policy_files.MAX_CONFIG_BYTES, policy_files.MAX_WEIGHTS_BYTES, policy_files.MAX_SIZE),
     "preset": (reading.MAX_JSON_BYTES, preset_file.MOST_WHOLE),
     "league": (reading.MAX_JSON_BYTES, MOST_BYTES),
+    "story": (*(viewer_page.MAX_PAGE_BYTES, picture.MAX_BYTES, story.NAME_CHARACTERS, story.FORMAT_VERSION),),
 }
 
 

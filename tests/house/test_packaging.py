@@ -105,6 +105,7 @@ def test_a_wheel_built_from_an_unlinked_copy_holds_everything(unlinked_copy: Pat
     assert {f"{package.replace('.', '/')}/__init__.py" for package in packages_in(root)} <= names
     assert {f"hexwar_sb3/maps/builtin/{path.name}" for path in builtin_files(root)} <= names
     assert "hexwar_sb3/py.typed" in names
+    assert "hexwar_sb3/viewer/built/page.html" in names
     assert not {name for name in names if name.split("/")[0] in {*LINKS, "tests", "examples"}}
 
 

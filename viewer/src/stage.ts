@@ -1,0 +1,231 @@
+// The four layers of the map, the camera, and the pointer on them.
+
+import { Camera } from "./camera";
+import { Fog } from "./fog";
+import { type Point, cellAt, centre, extent } from "./hex";
+import { byId } from "./dom";
+import { Sight } from "./los";
+import {
+  type SightPaths, arrow, drawCell, drawError, drawEye, drawFire, drawPath, drawPoints, drawRanges, drawReach, drawRounds, drawSight, sightPaths,
+} from "./marks";
+import { decisionOf, taskCell } from "./policypanel";
+import type { Scene } from "./scene";
+import { fade } from "./palette";
+import type { Game, Shown } from "./state";
+import { CAMPS } from "./story";
+import { Terrain } from "./terrain";
+import { type Token, drawTokens, drawWrecks, knowBlood, plate, tokenSize, tokensOf } from "./tokens";
+
+const LAYERS = ["terrain", "fog", "marks", "pieces"] as const;
+const SETTLES_MS = 150; // after a zoom or a pan the terrain is drawn anew
+const BELIEF_CELLS = 0.5; // a ghost on its piece is not worth a mark
+
+export interface Choices {
+  los: boolean;
+  ranges: boolean;
+  beliefs: boolean;
+  policy: boolean;
+  fog: boolean;
+  fireTicks: number; // how long fire is shown
+}
+
+export class Stage {
+  readonly camera: Camera;
+  readonly sight: Sight;
+  private readonly terrain: Terrain;
+  private fog: Fog | null = null;
+  private readonly contexts: Record<(typeof LAYERS)[number], CanvasRenderingContext2D>;
+  private timer = 0;
+  private tokens: Token[] = [];
+  private placed = ""; // camera of the last frame
+
+  constructor(
+    game: Game,
+    private readonly redraw: () => void,
+  ) {
+    this.camera = new Camera(extent(game.map));
+    this.sight = new Sight(game.map, game.story.rules.air_height_m);
+    this.terrain = new Terrain(game.map);
+    this.contexts = Object.fromEntries(LAYERS.map((id) => [id, context(byId<HTMLCanvasElement>(id))])) as typeof this.contexts;
+    knowBlood(game);
+  }
+
+  forget(): void {
+    this.terrain.forget();
+    this.placed = "";
+  }
+
+  resize(ratio: number): void {
+    const { clientWidth, clientHeight } = byId("stage");
+    for (const id of LAYERS) {
+      const canvas = this.contexts[id].canvas;
+      canvas.width = Math.round(clientWidth * ratio);
+      canvas.height = Math.round(clientHeight * ratio);
+    }
+    this.camera.resize(clientWidth, clientHeight);
+    this.forget();
+  }
+
+  /** The pieces of a state and the points, with room; all of the map where there is room for it. */
+  frame(scene: Scene): void {
+    this.camera.fit();
+    if (this.camera.scale >= 9.5) return;
+    const { game, state } = scene;
+    const places = state.pieces.filter((one) => one.cell >= 0 && one.blood > 0).map((one) => one.at);
+    this.camera.show([...places, ...game.story.points.map(([, cell]) => centre(game.map, cell))], 3);
+  }
+
+  draw(scene: Scene, choices: Choices, hot: { shape: "arrow"; from: number; to: number } | null): void {
+    const { game, state, palette, ratio, time } = scene;
+    const { camera } = this;
+    const placed = `${camera.x} ${camera.y} ${camera.scale} ${camera.width} ${camera.height} ${ratio} ${palette.dark}`;
+    const moved = placed !== this.placed;
+    this.placed = placed;
+    if (moved) this.drawTerrain(scene);
+    const foggy = game.view !== "referee" && choices.fog;
+    if (foggy) this.fog ??= new Fog(game.map, this.sight, game.story.rules); // takes its time: not before the first frame
+    const changed = foggy && this.fog?.look(state.pieces.filter((one) => one.how === "own"), palette);
+    if (moved || changed || foggy !== this.wasFoggy) this.fog?.blit(this.contexts.fog, camera, ratio, foggy);
+    this.wasFoggy = foggy;
+
+    const ghosts = game.view === "referee" && choices.beliefs ? CAMPS.flatMap((camp) => game.ghosts(camp, time)) : [];
+    const away = new Set(ghosts.filter((ghost) => this.isAway(ghost, scene)));
+    this.tokens = tokensOf(game, state, camera, ghosts, away);
+    const marks = this.clear("marks", ratio);
+    this.labels.length = 0;
+    this.drawAsked(marks, scene, choices);
+    drawPoints(marks, game, state, camera, palette, this.tokens);
+    this.drawBeliefs(marks, scene, away);
+    drawRounds(marks, game, state, time, camera, palette);
+    if (hot) this.drawHot(marks, scene, hot);
+    const pieces = this.clear("pieces", ratio);
+    drawWrecks(pieces, state, camera, palette);
+    drawFire(pieces, game.map, scene.entries, time, choices.fireTicks, camera, palette);
+    drawTokens(pieces, this.tokens, scene.picked?.index ?? -1, palette);
+    for (const { text, at } of this.labels) plate(pieces, text, at, 12, palette);
+  }
+
+  private wasFoggy: boolean | null = null;
+  private readonly labels: { text: string; at: Point }[] = []; // above the pieces
+
+  private drawTerrain(scene: Scene): void {
+    const { camera, terrain } = this;
+    if (!terrain.fits(camera)) {
+      window.clearTimeout(this.timer);
+      if (this.contexts.terrain.canvas.dataset.drawn) {
+        this.timer = window.setTimeout(() => {
+          terrain.draw(camera, scene.ratio, scene.palette);
+          this.placed = "";
+          this.redraw();
+        }, SETTLES_MS);
+      } else {
+        terrain.draw(camera, scene.ratio, scene.palette);
+        this.contexts.terrain.canvas.dataset.drawn = "1";
+      }
+    }
+    terrain.blit(this.contexts.terrain, camera, scene.ratio);
+  }
+
+  /** Draw the terrain at once, for a new size or new colours. */
+  renew(scene: Scene): void {
+    this.terrain.draw(this.camera, scene.ratio, scene.palette);
+    this.placed = "";
+  }
+
+  private clear(layer: "marks" | "pieces", ratio: number): CanvasRenderingContext2D {
+    const ctx = this.contexts[layer];
+    ctx.setTransform(1, 0, 0, 1, 0, 0);
+    ctx.clearRect(0, 0, ctx.canvas.width, ctx.canvas.height);
+    ctx.setTransform(ratio, 0, 0, ratio, 0, 0);
+    return ctx;
+  }
+
+  private isAway(ghost: Shown, scene: Scene): boolean {
+    const truth = scene.state.pieces[ghost.piece.index];
+    return truth.blood === 0 || truth.carrier >= 0 || Math.hypot(truth.at.x - ghost.at.x, truth.at.y - ghost.at.y) > BELIEF_CELLS;
+  }
+
+  private drawAsked(ctx: CanvasRenderingContext2D, scene: Scene, choices: Choices): void {
+    const { game, state, palette, picked } = scene;
+    const shown = picked ? state.pieces[picked.index] : null;
+    const from = shown && shown.blood > 0 ? shown.cell : scene.cell;
+    if (choices.los && from >= 0) {
+      const kind = shown?.piece.kind ?? "tank"; // from a cell as a tank would look
+      drawSight(ctx, this.sightFrom(game, from, kind), this.camera, palette);
+    }
+    if (choices.policy && !picked) for (const one of state.pieces) this.drawChoice(ctx, scene, one, false);
+    if (scene.cell >= 0) drawCell(ctx, game.map, scene.cell, this.camera, palette);
+    if (!shown || shown.blood === 0 || shown.cell < 0) return;
+    for (const enemy of game.seenFrom(shown.piece, state)) drawEye(ctx, this.camera.toScreen(shown.at), this.camera.toScreen(enemy.at), palette);
+    if (choices.ranges) drawRanges(ctx, game, shown, this.camera, palette);
+    drawPath(ctx, game.map, shown.at, game.path(shown.piece, state.tick), this.camera, palette.camp[shown.piece.camp]);
+    if (choices.policy) this.drawChoice(ctx, scene, shown, true);
+  }
+
+  private sightFrom(game: Game, cell: number, kind: string): SightPaths {
+    const key = `${cell} ${kind}`;
+    if (this.lookedFrom.key !== key) {
+      const field = this.sight.field(cell, game.story.rules.kinds[kind].sight.tank, kind === "aerocraft");
+      this.lookedFrom = { key, paths: sightPaths(game.map, field) };
+    }
+    return this.lookedFrom.paths;
+  }
+
+  private lookedFrom: { key: string; paths: SightPaths } = { key: "", paths: { open: [], shut: [], hatch: [] } };
+
+  /** From a piece to where its chosen task leads. */
+  private drawChoice(ctx: CanvasRenderingContext2D, scene: Scene, shown: Shown, alone: boolean): void {
+    if (shown.blood === 0 || shown.carrier >= 0 || shown.cell < 0) return;
+    const decision = decisionOf(scene.game, shown.piece, scene.state.tick);
+    if (!decision) return;
+    const text = decision.tasks[decision.choice[2][decision.choice[1]]] ?? "";
+    const goal = taskCell(scene.game, text);
+    const target = goal < -1 ? scene.state.pieces[-2 - goal] : null;
+    const place = target ? target.at : goal >= 0 ? centre(scene.game.map, goal) : null;
+    if (!place || (target && target.cell < 0)) return;
+    const [a, b] = [this.camera.toScreen(shown.at), this.camera.toScreen(place)];
+    arrow(ctx, a, b, fade("#ffffff", 0.85), alone ? 6 : 3);
+    arrow(ctx, a, b, scene.palette.camp[shown.piece.camp], alone ? 3.2 : 1.4);
+    if (alone) this.labels.push({ text, at: { x: b.x, y: Math.min(a.y, b.y) - tokenSize(this.camera) - 24 } });
+  }
+
+  private drawBeliefs(ctx: CanvasRenderingContext2D, scene: Scene, away: Set<Shown>): void {
+    const { game, state, palette, picked } = scene;
+    const lost = game.view === "referee" ? [...away] : state.pieces.filter((one) => one.how === "lost" && one.blood > 0);
+    for (const ghost of lost) {
+      const chosen = picked === ghost.piece;
+      if (game.view !== "referee" || chosen) drawReach(ctx, game, ghost, this.camera, palette, chosen);
+      const truth = state.pieces[ghost.piece.index];
+      if (game.view !== "referee" || truth.cell < 0) continue;
+      const token = this.tokens.find((one) => one.shown === ghost);
+      drawError(ctx, token?.at ?? this.camera.toScreen(ghost.at), this.camera.toScreen(truth.at), palette.camp[ghost.piece.camp]);
+    }
+  }
+
+  private drawHot(ctx: CanvasRenderingContext2D, scene: Scene, hot: { from: number; to: number }): void {
+    const { map } = scene.game;
+    const to = this.camera.toScreen(centre(map, hot.to));
+    if (hot.from >= 0 && hot.from !== hot.to) {
+      const from = this.camera.toScreen(centre(map, hot.from));
+      arrow(ctx, from, to, fade("#ffffff", 0.9), 7);
+      arrow(ctx, from, to, scene.palette.ink, 3.5);
+    }
+    drawCell(ctx, map, hot.to, this.camera, scene.palette);
+  }
+
+  /** The token under a place of the screen. */
+  tokenAt(place: Point): Token | null {
+    const hits = this.tokens.filter((one) => Math.hypot(one.at.x - place.x, one.at.y - place.y) <= Math.max(one.size + 2, 14));
+    return hits.sort((a, b) => Number(a.ghost) - Number(b.ghost))[0] ?? null;
+  }
+
+  cellAt(place: Point, game: Game): number {
+    return cellAt(game.map, this.camera.toMap(place));
+  }
+}
+
+function context(canvas: HTMLCanvasElement): CanvasRenderingContext2D {
+  const found = canvas.getContext("2d");
+  if (!found) throw new Error("no canvas");
+  return found;
+}
