@@ -10,6 +10,8 @@ from hexwar_sb3.callbacks.every import EverySteps
 from hexwar_sb3.engine.picture import save_game_picture
 from hexwar_sb3.evaluation.matches import Evaluation
 
+ALBUM_GAMES = 6  # of a training, at most: half a second each to write down
+
 
 class RecordGame(EverySteps):
     """Writes a game of the present policy for each camp: `red_000024000.hwr`, and its picture beside it.
@@ -29,6 +31,27 @@ class RecordGame(EverySteps):
         """Play, record, draw."""
         policy = cast("QMIX", self.model).policy.freeze()
         write_games(policy, self.opponent, self.evaluation, self.folder, f"{self.model.num_timesteps:09d}")
+
+
+def write_album(snapshots: Path, opponent: str, evaluation: Evaluation, folder: Path) -> list[Path]:
+    """Record how a training's policy changed: a few of its snapshots play red in the same game against one opponent.
+
+    Args:
+        snapshots: folder of policies by env steps, as `WinRateCallback` leaves them.
+        opponent: name or folder.
+        evaluation: how they play.
+        folder: gets `red_STEPS_against_OPPONENT.hwr`.
+
+    Returns:
+        The replays, the first snapshot's first.
+    """
+    found = sorted(path for path in snapshots.iterdir() if path.is_dir())
+    chosen = {found[round(k * (len(found) - 1) / (ALBUM_GAMES - 1))]: None for k in range(ALBUM_GAMES)}
+    paths = []
+    for policy in chosen:
+        paths.append(folder / f"red_{policy.name}_against_{Path(opponent).name}.hwr")
+        evaluation.record(policy, opponent).save(paths[-1])
+    return paths
 
 
 def write_games(player: object, opponent: str, evaluation: Evaluation, folder: Path, name: str) -> None:

@@ -28,6 +28,7 @@ class WinRateCallback(EverySteps):
         folder: gets `evaluations.npz`, `learning_curve.png`, `best_model.zip` and `policy/`, the best one.
         about: texts for `policy/config.json`.
         threads: opponents side by side.
+        snapshots: folder that gets what played in each evaluation, by env steps.
     """
 
     def __init__(
@@ -39,9 +40,10 @@ class WinRateCallback(EverySteps):
         folder: Path,
         about: Mapping[str, str] | None = None,
         threads: int = 1,
+        snapshots: Path | None = None,
     ) -> None:
         super().__init__(every)
-        self.threads = threads
+        self.threads, self.snapshots = threads, snapshots
         self.opponents, self.evaluation, self.folder, self.about = (
             opponents,
             evaluation,
@@ -75,6 +77,8 @@ class WinRateCallback(EverySteps):
         best = max((result.mean_margin.value for result in self.history.results), default=float("-inf"))
         player, now = self.player(), self.now()
         panel = play_panel(player, self.opponents, self.evaluation, name="trained", threads=self.threads)
+        if self.snapshots is not None:
+            player.save(self.snapshots / f"{now:09d}")
         result = self.history.add(now, self.ticks(), panel)
         self.logger.record("eval/win_rate", result.win_rate.value)
         self.logger.record("eval/mean_margin", result.mean_margin.value)

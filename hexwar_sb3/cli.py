@@ -18,6 +18,7 @@ from hexwar_sb3.commands.exploit import Exploit
 from hexwar_sb3.commands.hotspots import Hotspots
 from hexwar_sb3.commands.maps import Maps
 from hexwar_sb3.commands.selfplay import SelfPlay
+from hexwar_sb3.commands.stats import Stats
 from hexwar_sb3.commands.tournament import Tournament
 from hexwar_sb3.commands.train import Train
 from hexwar_sb3.commands.tune import Tune
@@ -35,6 +36,7 @@ COMMANDS: dict[str, Callable[..., Any]] = {
     "exploit": Exploit,
     "tune": Tune,
     "watch": Watch,
+    "stats": Stats,
     "maps": Maps,
     "hotspots": Hotspots,
     "experiments": Experiments,

@@ -72,6 +72,11 @@ class RunFolder:
         return self.path / "pool"
 
     @property
+    def snapshots(self) -> Path:
+        """What played in each evaluation, by env steps."""
+        return self.path / "snapshots"
+
+    @property
     def replays(self) -> Path:
         """Recorded games."""
         return self.path / "replays"

@@ -18,7 +18,7 @@ from hexwar_sb3.algorithms.hierarchical import HierarchicalQMIX
 from hexwar_sb3.algorithms.qmix import QMIX
 from hexwar_sb3.callbacks.checkpoint import Checkpoint
 from hexwar_sb3.callbacks.progress import ProgressBar
-from hexwar_sb3.callbacks.record import write_games
+from hexwar_sb3.callbacks.record import write_album, write_games
 from hexwar_sb3.callbacks.self_play import SelfPlayCallback
 from hexwar_sb3.callbacks.shares import shares_of
 from hexwar_sb3.callbacks.win_rate import WinRateCallback
@@ -64,6 +64,7 @@ def train(settings: TrainSettings, model: QMIX, folder: RunFolder) -> int:
     write_games(
         folder.policy, opponent, settings.evaluation(), folder.replays, f"against_{Path(opponent).name}"
     )
+    write_album(folder.snapshots, opponent, settings.evaluation(), folder.replays)
     title = (
         f'What was learned on "{settings.scenario}", seed {settings.seed}:'
         f" {settings.n_timesteps:,} env steps against {', '.join(settings.met)}"
@@ -104,7 +105,7 @@ def _places(folder: RunFolder) -> str:
         "best model": folder.path / "best_model.zip",
         "last model": folder.model,
         "learning curve": folder.path / "learning_curve.png",
-        "replays": folder.replays,
+        "replays, of its snapshots too": folder.replays,
         "this page": folder.page,
     }
     width = max(len(name) for name in places)
@@ -204,7 +205,12 @@ def about(settings: TrainSettings) -> dict[str, str]:
 def watchers(settings: TrainSettings, folder: RunFolder, threads: int = 1) -> list[BaseCallback]:
     """Build the callbacks that look at the training."""
     evaluation = settings.evaluation(games=settings.eval_games, purpose=Purpose.SELECTION)
-    how: Any = {"folder": folder.path, "about": about(settings), "threads": threads}
+    how: Any = {
+        "folder": folder.path,
+        "about": about(settings),
+        "threads": threads,
+        "snapshots": folder.snapshots,
+    }
     win_rate = WinRateCallback(settings.eval_freq, settings.named_opponents, evaluation, **how)
     bar = [ProgressBar(settings.n_timesteps)] if settings.progress else []
     return [*shares_of(settings.chosen, settings.games), *self_play(settings, folder), win_rate, *bar]

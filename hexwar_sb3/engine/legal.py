@@ -65,6 +65,15 @@ class Advisor:
                 orders.append(self._with_chances(i))
         return (*orders, *self._mortar_orders(i))
 
+    def targets(self, i: PieceIndex) -> list[PieceIndex]:
+        """Enemies at which piece i may fire now, by itself or as a guide."""
+        found = {}
+        for action in (Action.SHOOT, Action.GUIDE_SHOOT):
+            for _ in self._written(i, action):
+                if self._code(i) == Code.OK:
+                    found[PieceIndex(int(self._row.target))] = True
+        return list(found)
+
     def _mortar_orders(self, i: PieceIndex) -> Iterator[Order]:
         """Legal mortar orders: too many cells to try them one by one."""
         row, here = self._row, CellIndex(self.pieces[i].cell)
@@ -83,12 +92,15 @@ class Advisor:
     def _candidates(self, i: PieceIndex) -> Iterator[None]:
         """Write one candidate after the other into the scratch record."""
         for action in Action:
-            for choice in self._choices(i, action):
-                clear_order(self._row)
-                self._row.kind = action
-                for name, value in choice.items():
-                    self._row[name] = value
-                yield
+            yield from self._written(i, action)
+
+    def _written(self, i: PieceIndex, action: Action) -> Iterator[None]:
+        for choice in self._choices(i, action):
+            clear_order(self._row)
+            self._row.kind = action
+            for name, value in choice.items():
+                self._row[name] = value
+            yield
 
     def _choices(self, i: PieceIndex, action: Action) -> Iterator[Mapping[str, int]]:
         """Parameters of an action, by field of the record."""

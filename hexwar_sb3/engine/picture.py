@@ -25,6 +25,7 @@ _SHOTS = frozenset({"shot", "guided", "close_shot", "exit_shot"})
 _ROUNDS = frozenset({"mortar_landed"})
 _PLATE = {"boxstyle": "round,pad=0.15", "fc": "#ffffffcc", "ec": "none"}  # behind a text
 _FLIGHT, _SHOT = (0, (1, 1.5)), (0, (6, 2))  # dots and dashes
+_GROUND = 4.9  # zorder below which the map is drawn as points, not as thousands of polygons
 _SPREAD = 0.22  # cells between the paths of two pieces that walk the same way
 _CELL, _LEAST, _MOST = (
     0.165,
@@ -81,6 +82,7 @@ def game_picture(replay: Replay) -> Figure:
     ratios = [height, _LEGEND, _SCORES]
     above, between, below = figure.subplots(3, 1, height_ratios=ratios)
     draw_map(above, scenario.hexmap)
+    above.set_rasterization_zorder(_GROUND)
     draw_scenario(above, scenario)
     _draw_paths(above, scenario.hexmap, story)
     _draw_shots(above, scenario.hexmap, story)

@@ -281,6 +281,18 @@ class Replay:
                     "file", f"{len(lines)} lines of {kind} when played again", f"{len(own)} as in the file"
                 )
 
+    def played_again(self) -> Iterator[tuple[Line, Game]]:
+        """Play the game again: each line after the head, with the game as it stood before the line does anything.
+
+        Raises:
+            ReplayFileError: a line cannot be played; or the record is one camp's own.
+        """
+        game = self._new_game()
+        for number, line in enumerate(self.lines[1:], start=2):
+            game.advance(line["tick"] - game.tick)
+            yield line, game
+            self._follow(game, line, number)
+
     def game_at(self, tick: int) -> Game:
         """The game as it stood at a tick, ready to be played on in another way."""
         game = self._new_game()

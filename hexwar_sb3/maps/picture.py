@@ -66,7 +66,7 @@ def centres(hexmap: HexMap) -> Field:
 def draw_map(axes: Axes, hexmap: HexMap) -> None:
     """The terrain alone, on given axes."""
     playable = np.flatnonzero(hexmap.playable)
-    corners = _corners(hexmap)[playable]
+    corners = cell_corners(hexmap)[playable]
     colours = _colours(hexmap)[playable]
     axes.add_collection(
         PolyCollection(list(corners), facecolors=colours, edgecolors="#00000018", linewidths=0.3)
@@ -108,7 +108,7 @@ def draw_tokens(axes: Axes, hexmap: HexMap, cells: Mapping[int, Sequence[tuple[C
         _write(axes, where[cell], letters, fontsize=7, weight="bold", color="white", bbox=plate)
 
 
-def _corners(hexmap: HexMap) -> Field:
+def cell_corners(hexmap: HexMap) -> Field:
     """Corners of every cell [NC, 6, (x, y)]."""
     ring = np.stack([np.cos(_CORNER), np.sin(_CORNER)], axis=1) / np.sqrt(3)
     return centres(hexmap)[:, None, :] + ring
@@ -193,7 +193,7 @@ def _sides(hexmap: HexMap) -> Ints:
 
 
 def _side_lines(hexmap: HexMap, sides: Ints) -> list[Field]:
-    corners = _corners(hexmap)
+    corners = cell_corners(hexmap)
     return [corners[a][list(_SIDE[d])] for a, _, d in sides.tolist()]
 
 

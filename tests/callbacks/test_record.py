@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from hexwar_sb3.algorithms.qmix import QMIX
-from hexwar_sb3.callbacks.record import RecordGame
+from hexwar_sb3.callbacks.record import RecordGame, write_album
 from hexwar_sb3.engine.replay import Replay
 from hexwar_sb3.envs.registration import make_vec_env
 from hexwar_sb3.evaluation.matches import Evaluation
@@ -34,3 +34,16 @@ def test_a_game_of_each_camp_is_written_with_its_picture(tmp_path: Path) -> None
         replay.verify()
         players = {camp: player["name"] for camp, player in replay.head["players"].items()}
         assert players["blue" if name.startswith("red") else "red"] == "random"
+
+
+def test_an_album_spans_a_training_in_six_games_of_one_seed(tmp_path: Path) -> None:
+    policy = QMIX("TaskPolicy", make_vec_env(seed=0), buffer_size=10).policy.freeze()
+    for step in range(0, 2200, 200):
+        policy.save(tmp_path / "snapshots" / f"{step:09d}")
+    how = Evaluation(terms=Terms(decision_ticks=SHORT), games=1)
+
+    paths = write_album(tmp_path / "snapshots", "random", how, tmp_path)
+
+    steps = [0, 400, 800, 1200, 1600, 2000]
+    assert [path.name for path in paths] == [f"red_{step:09d}_against_random.hwr" for step in steps]
+    assert len({Replay.load(path).seed for path in paths}) == 1

@@ -23,6 +23,7 @@ from hexwar_sb3.commands.run_folder import RunFolder
 from hexwar_sb3.commands.train import Train
 from hexwar_sb3.commands.train_settings import LOWER_SCENARIOS
 from hexwar_sb3.commands.training import make_env, new_model, players_of
+from hexwar_sb3.engine.replay import Replay
 from hexwar_sb3.envs.registration import make_vec_env
 from hexwar_sb3.envs.route_settings import route_settings
 from hexwar_sb3.errors import ConfigError
@@ -83,6 +84,10 @@ def test_a_training_leaves_a_whole_run_folder(hexwar: Command, tmp_path: Path) -
         (o, c) for o in ("MA1", "MA2") for c in ("red", "blue")
     }
     assert load_file(run / "policy" / "weights.safetensors")
+    snapshots = sorted(path.name for path in (run / "snapshots").iterdir())
+    album = [Replay.load(path) for path in sorted((run / "replays").glob("red_0*.hwr"))]
+    assert [replay.head["players"]["red"]["name"] for replay in album] == snapshots
+    assert len({replay.seed for replay in album}) == 1  # the same game, again and again
 
 
 def test_a_commander_meets_itself_and_goes_on_doing_so(

@@ -18,9 +18,10 @@ from hexwar_sb3.engine.fire import (
 )
 from hexwar_sb3.engine.game import Game
 from hexwar_sb3.engine.game_events import GameEvent, of_kind
-from hexwar_sb3.engine.orders import Hide, Move, Order, Shoot
+from hexwar_sb3.engine.orders import GuideShoot, Hide, Move, Order, Shoot
 from hexwar_sb3.engine.records import PIECE
 from hexwar_sb3.rules import adjudicate
+from hexwar_sb3.rules.compiled import NO_EFFECT
 from hexwar_sb3.rules.enums import Dice, PieceType, Weapon
 from hexwar_sb3.rules.indices import PieceIndex
 from hexwar_sb3.rules.tables import ATTACKS
@@ -353,6 +354,37 @@ def test_an_aerocraft_is_shot_at_with_dice_of_its_own() -> None:
         )  # fmt: skip
         assert log[0].roll == two_dice(record, tick, Dice.AIR, pieces[0], pieces[1], 0)
         assert (log[0].roll2, log[0].corr) == (0, 0)
+
+
+def test_an_aerocraft_dies_by_the_very_level_that_the_table_names() -> None:
+    """Section 7, aerocraft: at 2 cells a chariot's gun has level 2, which a roll of 12 asks for; level 1 is less."""
+    for apart, destroyed in ((2, 1), (4, NO_EFFECT)):
+        game = Game.from_text(NEAR + f"red chariot 0103\nblue aerocraft 0{1 + apart}03")
+        record, pieces, *_, log = game.state.game(0)
+        twelves = []
+        for tick in range(200):
+            record.tick, record.log_count = tick, 0
+            resolve_shot(
+                Event.SHOT, PieceIndex(0), PieceIndex(0), PieceIndex(1), Weapon.CANNON, False, record, pieces, log,
+                *game.world.tables[:2],
+            )  # fmt: skip
+            twelves += [int(log[0].result)] if log[0].roll == 12 else []
+        assert twelves
+        assert set(twelves) == {destroyed}
+
+
+@pytest.mark.parametrize("guided", [False, True])
+def test_an_order_to_fire_throws_the_dice_of_direct_fire(guided: bool) -> None:
+    """Section 11: of a guided shot, with the chariot as the shooter."""
+    game = Game.from_text(NEAR + "red tank 0103\nred chariot 0203\nred soldier 0203\nblue tank 0503")
+    before = game.state.games[0].copy()
+    order: Order = GuideShoot("soldier0", "tank0", "chariot0") if guided else Shoot("tank0", "tank0", "GUN")
+    assert game.submit("red", order) == [None]
+
+    shot = of_kind(game.advance(1), "shot", "guided")[0]
+
+    own, enemy = game.roster.index("red:chariot0" if guided else "red:tank0"), game.roster.index("blue:tank0")
+    assert shot.roll == two_dice(before, 0, Dice.DIRECT, game.pieces[own], game.pieces[enemy], 0)
 
 
 @pytest.mark.parametrize(

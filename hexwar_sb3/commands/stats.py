@@ -1,0 +1,194 @@
+"""`hexwar stats`: how a player plays, over recorded or fresh games."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import tyro
+
+from hexwar_sb3.commands.output import as_json, compile_first, print_json, table
+from hexwar_sb3.commands.run_folder import write_text
+from hexwar_sb3.commands.settings import Json, Seed, check_jobs
+from hexwar_sb3.errors import ConfigError
+
+if TYPE_CHECKING:
+    from hexwar_sb3.engine.replay import Replay
+    from hexwar_sb3.evaluation.matches import Evaluation
+    from hexwar_sb3.evaluation.play_stats import PlayStats
+
+WHAT = "a player (a bot's name, a run folder or a policy folder), or replays (*.hwr) and folders of them"
+CHUNK = 25  # games of a job
+WORDS = {True: "holds", False: "does not hold", None: "open"}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Stats:
+    """Count how a player plays: tasks by phase and piece, targets, moves, places; and which of the paper's claims hold."""
+
+    what: Annotated[
+        tuple[str, ...], tyro.conf.Positional, tyro.conf.arg(metavar="PLAYER|REPLAY...", help=WHAT)
+    ]
+    opponents: tuple[str, ...] = ("MA1", "MA2")  # of a player's games
+    games: int = 500  # of a player, an opponent and colour
+    seed: Seed = 0
+    player: str | None = (
+        None  # whose play is counted in replays, by its name there; None: who is in all of them
+    )
+    jobs: int = 1  # side by side
+    output: Path | None = None  # folder that gets stats.txt, stats.json and pictures (PDF, SVG, PNG)
+    json: Json = False
+
+    def run(self) -> int:
+        """Count, then print and draw."""
+        from hexwar_sb3.maps.files import scenario_from_document
+
+        check_jobs("jobs", self.jobs)
+        paths = list(_replays(self.what))
+        if paths and len(paths) < len(self.what) and not all(Path(one).exists() for one in self.what):
+            raise ConfigError("name either one player or replays, not both")
+        if not paths and len(self.what) != 1:
+            raise ConfigError("name one player, or replays (*.hwr)")
+        name, stats, document = self._of_replays(paths) if paths else self._of_player(self.what[0])
+        text = in_words(stats, name)
+        if self.output is not None:
+            from hexwar_sb3.evaluation.play_stats_picture import draw_stats
+
+            self.output.mkdir(parents=True, exist_ok=True)
+            write_text(self.output / "stats.txt", text + "\n")
+            write_text(self.output / "stats.json", as_json({"player": name, **stats.as_dict()}) + "\n")
+            draw_stats(stats, scenario_from_document(document, name), self.output, player=name)
+        if self.json:
+            print_json({"player": name, **stats.as_dict()})
+        else:
+            print(text)
+        return 0
+
+    def _of_replays(self, paths: Sequence[Path]) -> tuple[str, PlayStats, object]:
+        from hexwar_sb3.engine.replay import Replay
+        from hexwar_sb3.evaluation.play_stats import PlayStats
+
+        replays = [Replay.load(path) for path in paths]
+        name, stats = self.player or _shared_name(replays), PlayStats()
+        for replay in replays:
+            for camp, player in replay.head.get("players", {}).items():
+                if player["name"] == name:
+                    stats.add(replay, camp)
+        if not stats.games:
+            raise ConfigError(f"no replay has a player called {name!r}")
+        return name, stats, replays[0].head["scenario"]
+
+    def _of_player(self, player: str) -> tuple[str, PlayStats, object]:
+        from hexwar_sb3.engine.world import load_world
+        from hexwar_sb3.evaluation.jobs import run_jobs
+        from hexwar_sb3.evaluation.matches import Evaluation, player_name
+        from hexwar_sb3.evaluation.play_stats import PlayStats
+        from hexwar_sb3.maps.scenario_file import scenario_document
+        from hexwar_sb3.players.terms import trained_terms
+
+        terms = trained_terms(player)
+        how = Evaluation(terms=terms, games=self.games, seed=self.seed)
+        compile_first(player, *self.opponents, scenario=terms.scenario)
+        how.check_fit([player])
+        how.check_opponents(self.opponents)
+        specs = [
+            _Chunk(player, opponent, camp, how, range(start, min(start + CHUNK, self.games)))
+            for opponent in self.opponents
+            for camp in how.camps
+            for start in range(0, self.games, CHUNK)
+        ]
+        stats = PlayStats()
+        for part in run_jobs(_count, specs, self.jobs, f"{CHUNK} games"):
+            stats.merge(part)
+        return player_name(player), stats, scenario_document(load_world(terms.scenario).scenario)
+
+
+@dataclass(frozen=True)
+class _Chunk:
+    """Games of one job."""
+
+    player: str
+    opponent: str
+    camp: str
+    how: Evaluation
+    games: range
+
+
+def _count(chunk: _Chunk) -> PlayStats:
+    from hexwar_sb3.evaluation.play_stats import PlayStats
+
+    stats, is_red = PlayStats(), chunk.camp == "red"
+    red, blue = (chunk.player, chunk.opponent) if is_red else (chunk.opponent, chunk.player)
+    for game in chunk.games:
+        stats.add(chunk.how.record(red, blue, game), chunk.camp)
+    return stats
+
+
+def _replays(what: Sequence[str]) -> Iterator[Path]:
+    for one in map(Path, what):
+        if one.suffix == ".hwr":
+            yield one
+        elif one.is_dir():
+            yield from sorted(one.rglob("*.hwr"))
+
+
+def _shared_name(replays: Sequence[Replay]) -> str:
+    names = [{player["name"] for player in one.head.get("players", {}).values()} for one in replays]
+    shared = sorted(set.intersection(*names))
+    if len(shared) != 1:
+        found = ", ".join(sorted(set.union(*names)))
+        raise ConfigError(f"say whose play is counted, --player NAME: the replays have {found}")
+    return shared[0]
+
+
+def in_words(stats: PlayStats, name: str) -> str:
+    """Tables: tasks, targets, moves, and the paper's claims."""
+    from hexwar_sb3.evaluation.play_stats import GRID, PHASES, PIECE, TYPES
+
+    tasks = []
+    for phase in PHASES:
+        for kind in TYPES:
+            counts = Counter(
+                {k: n for (p, t, k), n in stats.tasks.items() if (p, t) == (phase, kind) and k != "stop"}
+            )
+            if counts:
+                shares = [stats.share(group, phase, kind).percent() for group in (GRID, PIECE)]
+                most = ", ".join(
+                    f"{word} {100 * n / counts.total():.0f} %" for word, n in counts.most_common(3)
+                )
+                tasks.append([phase, kind, f"{counts.total():,}", *shares, most])
+    shots = []
+    for shooter in TYPES:
+        total = sum(stats.targets[shooter, target] for target in TYPES)
+        if total:
+            cells = [
+                f"{100 * stats.targets[shooter, t] / total:.0f} ({100 * stats.available.get((shooter, t), 0) / total:.0f})"
+                for t in TYPES
+            ]
+            shots.append([shooter, f"{total:,}", *cells])
+    moves = [
+        [kind, f"{stats.moves[kind]:,}", stats.agreement(kind).percent()]
+        for kind in TYPES
+        if stats.moves[kind]
+    ]
+    claims = [
+        [
+            words,
+            found.percent() if 0.0 <= found.value <= 1.0 and "than" not in words else str(found),
+            WORDS[holds],
+        ]
+        for words, found, holds in stats.claims()
+    ]
+    return "\n\n".join(
+        (
+            f"How {name} plays: {stats.games:,} games",
+            table(("phase", "piece", "decisions", "grid tasks, %", "piece tasks, %", "most often"), tasks),
+            "targets in the first half of the game, % of the shots (in brackets: of what could be fired at)\n"
+            + table(("shooter", "shots", *TYPES), shots),
+            table(("piece", "hops to a cell", "as the heuristic's, %"), moves),
+            table(("what the paper says of its CAI", "here", ""), claims),
+        )
+    )
