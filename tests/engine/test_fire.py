@@ -385,6 +385,9 @@ def test_an_order_to_fire_throws_the_dice_of_direct_fire(guided: bool) -> None:
 
     own, enemy = game.roster.index("red:chariot0" if guided else "red:tank0"), game.roster.index("blue:tank0")
     assert shot.roll == two_dice(before, 0, Dice.DIRECT, game.pieces[own], game.pieces[enemy], 0)
+    assert shot.correction_roll == two_dice(
+        before, 0, Dice.DIRECT_CORRECTION, game.pieces[own], game.pieces[enemy], 0
+    )
 
 
 @pytest.mark.parametrize(
