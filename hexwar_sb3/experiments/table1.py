@@ -31,7 +31,7 @@ from hexwar_sb3.league.distil import Lessons
 from hexwar_sb3.league.league import League
 from hexwar_sb3.league.member import BOTH, CAMPS, NETWORKS
 from hexwar_sb3.league.picture import draw_league
-from hexwar_sb3.league.selection import play_all, select, standings
+from hexwar_sb3.league.selection import select
 from hexwar_sb3.league.settings import LeagueSettings
 from hexwar_sb3.players.terms import Terms
 from hexwar_sb3.reading import read_json
@@ -231,16 +231,14 @@ class Table1:
                         _copy_policy(folder, made)
 
     def _best_student(self, league: League, side: str) -> Path:
-        """Folder of the student that a round robin such as the league's selects."""
+        """Folder of the student that does best against the opponents, by games that select."""
         folders = {spec.folder.name: spec.folder for spec in self.combined(league) if spec.side == side}
         if len(folders) == 1:
             return next(iter(folders.values()))
         models: dict[str, object] = {name: folder / LEARNED for name, folder in folders.items()}
-        rivals, share = tuple(self.settings.weights), self.settings.worst_share
-        how = league.evaluation(self.settings.iterations + 1, self.settings.warm_up_games)
         matches = self.work / "cai" / "matches"
-        table = play_all(models, models, how, matches, rivals=rivals, jobs=self.jobs)
-        rows = {camp: standings(table, camp, rivals, share) for camp in CAMPS}
+        both = dict.fromkeys(CAMPS, models)
+        rows = league.rank(both, self.settings.iterations + 1, matches, self.jobs)
         return folders[select(rows, 1, split=False)[CAMPS[0]][0]]
 
     def policy(self, name: str, side: str) -> Path:

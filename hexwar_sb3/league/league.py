@@ -19,7 +19,7 @@ from hexwar_sb3.league.cost import measured
 from hexwar_sb3.league.folder import NAME, group_name
 from hexwar_sb3.league.group import train_group
 from hexwar_sb3.league.member import BOTH, CAMPS, Member, leave_copy
-from hexwar_sb3.league.selection import play_all, select, standings
+from hexwar_sb3.league.selection import Standing, play_all, select, standings
 from hexwar_sb3.league.settings import LeagueSettings
 from hexwar_sb3.league.work import env_settings
 from hexwar_sb3.players.frozen import FrozenPolicy
@@ -132,15 +132,29 @@ class League(Agenda):
         """Order the first models by their games against the opponents."""
         if self.is_done(0):
             return
-        rows, how = {}, self.evaluation(0, self.settings.warm_up_games)
-        rivals: dict[str, object] = {name: name for name in self.settings.weights or BOTS}
-        for camp in CAMPS:
-            models: dict[str, object] = {member.name: member.folder for member in self.starters(camp)}
-            red, blue = (models, rivals) if camp == "red" else (rivals, models)
-            table = play_all(red, blue, how, self.iteration(0) / "matches" / camp, jobs=jobs)
-            rows[camp] = standings(table, camp)
+        models = {camp: {one.name: one.folder for one in self.starters(camp)} for camp in CAMPS}
+        rows = self.rank(models, 0, self.iteration(0) / "matches", jobs)
         kept = select(rows, self.settings.keep, split=self.settings.split)
         write_json(self.table(0), {"iteration": 0, "kept": kept, "standings": rows})
+
+    def rank(
+        self, models: Mapping[str, Mapping[str, object]], k: int, folder: Path, jobs: int = 1
+    ) -> dict[str, list[Standing]]:
+        """Standings of models by their games against the opponents alone, by camp.
+
+        Args:
+            models: by camp and name.
+            k: iteration whose games select.
+            folder: gets the matches.
+            jobs: matches side by side.
+        """
+        how = self.evaluation(k, self.settings.warm_up_games)
+        rivals: dict[str, object] = {name: name for name in self.settings.weights or BOTS}
+        rows = {}
+        for camp in CAMPS:
+            red, blue = (models[camp], rivals) if camp == "red" else (rivals, models[camp])
+            rows[camp] = standings(play_all(red, blue, how, folder / camp, jobs=jobs), camp)
+        return rows
 
     def _train_groups(self, k: int, jobs: int) -> None:
         run_jobs(train_group, [spec for spec in self.specs(k) if not spec.folder.is_dir()], jobs, "group")

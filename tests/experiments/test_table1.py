@@ -14,18 +14,17 @@ import pytest
 from hexwar_sb3.algorithms.qmix import QMIX
 from hexwar_sb3.commands.output import table as lay_out
 from hexwar_sb3.envs.registration import make_vec_env
-from hexwar_sb3.evaluation.matches import Evaluation
 from hexwar_sb3.evaluation.panel import CONSTANT_PLANS
-from hexwar_sb3.evaluation.seeds import Purpose
 from hexwar_sb3.evaluation.tournament import Meeting, Table
-from hexwar_sb3.experiments import table1
 from hexwar_sb3.experiments.kept import Record
 from hexwar_sb3.experiments.runs import Places
 from hexwar_sb3.experiments.table1 import BROAD, COLUMNS, FURTHER, ROWS, Table1
 from hexwar_sb3.experiments.table1_page import PAPER, bar, in_words, missed, no_worse, rows, write
 from hexwar_sb3.league.cai import DISTILLED, make_cai
 from hexwar_sb3.league.distil import Lessons
+from hexwar_sb3.league.league import League
 from hexwar_sb3.league.member import as_member
+from hexwar_sb3.league.selection import Standing
 from hexwar_sb3.league.settings import LeagueSettings
 from hexwar_sb3.players.frozen import FrozenPolicy
 from tests.experiments.conftest import page_rows
@@ -154,20 +153,19 @@ def test_cai_is_a_function_of_its_spec(pipeline: Table1, tmp_path: Path) -> None
 
 def test_cai_is_the_student_that_does_best(pipeline: Table1, monkeypatch: pytest.MonkeyPatch) -> None:
     def second_wins(
-        reds: Mapping[str, object], blues: Mapping[str, object], how: Evaluation, *_: object, **__: object
-    ) -> Table:
-        assert how.purpose == Purpose.SELECTION
-        assert (list(reds), reds) == (["both-0", "both-1"], blues)
-        row = {"win_rate": 0.5, "mean_margin": 0.0, "games": 2}
-        found = {}
-        for name, rate in (("both-0", 0.4), ("both-1", 0.6)):
-            for bot in ("MA1", "drawn"):
-                own = row | {"win_rate": rate}
-                found[Meeting(red=name, blue=bot, scenario="plain")] = {"red": own, "blue": row}
-                found[Meeting(red=bot, blue=name, scenario="plain")] = {"red": row, "blue": own}
-        return Table(found)
+        self: League, models: Mapping[str, Mapping[str, object]], k: int, folder: Path, jobs: int = 1
+    ) -> dict[str, list[Standing]]:
+        if k == 0:
+            return rank(self, models, k, folder, jobs)
+        assert (k, [list(own) for own in models.values()]) == (2, 2 * [["both-0", "both-1"]])
+        rows = [
+            {"name": name, "win_rate": rate, "mean_margin": 0.0}
+            for name, rate in (("both-0", 0.4), ("both-1", 0.6))
+        ]
+        return {"red": rows, "blue": rows}
 
-    monkeypatch.setattr(table1, "play_all", second_wins)
+    rank = League.rank
+    monkeypatch.setattr(League, "rank", second_wins)
     pipeline.run(lambda _: None)
 
     second = pipeline.work / "cai" / "both-1" / "learned"
