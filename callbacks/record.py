@@ -34,23 +34,27 @@ class RecordGame(EverySteps):
 
 
 def write_album(snapshots: Path, opponent: str, evaluation: Evaluation, folder: Path) -> list[Path]:
-    """Record how a training's policy changed: a few of its snapshots play red in the same game against one opponent.
+    """Record how a training's policy changed: a few of its snapshots play the same game against one opponent.
 
     Args:
         snapshots: folder of policies by env steps, as `WinRateCallback` leaves them.
         opponent: name or folder.
-        evaluation: how they play.
-        folder: gets `red_STEPS_against_OPPONENT.hwr`.
+        evaluation: how they play; they have the first of its camps.
+        folder: gets `CAMP_STEPS_against_OPPONENT.hwr`.
 
     Returns:
-        The replays, the first snapshot's first.
+        The replays, the first snapshot's first; none of a training that left no snapshots.
     """
-    found = sorted(path for path in snapshots.iterdir() if path.is_dir())
+    found = sorted(path for path in snapshots.glob("*") if path.is_dir())
+    if not found:
+        return []
+    camp = evaluation.camps[0]
     chosen = {found[round(k * (len(found) - 1) / (ALBUM_GAMES - 1))]: None for k in range(ALBUM_GAMES)}
     paths = []
     for policy in chosen:
-        paths.append(folder / f"red_{policy.name}_against_{Path(opponent).name}.hwr")
-        evaluation.record(policy, opponent).save(paths[-1])
+        red, blue = (policy, opponent) if camp == "red" else (opponent, policy)
+        paths.append(folder / f"{camp}_{policy.name}_against_{Path(opponent).name}.hwr")
+        evaluation.record(red, blue).save(paths[-1])
     return paths
 
 

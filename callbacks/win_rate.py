@@ -90,7 +90,7 @@ class WinRateCallback(EverySteps):
         draw_curve(
             self.history,
             self.folder / "learning_curve.png",
-            title=f'On "{load_world(terms.scenario).scenario.name}", both colours, against {", ".join(map(player_name, self.opponents))}',
+            title=f'On "{load_world(terms.scenario).scenario.name}", as {" and ".join(self.evaluation.camps)}, against {", ".join(map(player_name, self.opponents))}',
             decision_ticks=terms.decision_ticks if terms.decisions == "fixed" else None,
         )
         if result.mean_margin.value > best:

@@ -115,7 +115,13 @@ class Match:
     def _check_record(self) -> None:
         for number in self.record_games:
             check_whole("record_games", number, least=0, most=self.games - 1)
-        if self.record is None or self._is_folder(self.record):
+        if self.record is None:
+            return
+        if self._is_folder(self.record):
+            if self.record.exists() and not self.record.is_dir():
+                raise ConfigError(
+                    f"--record {self.record} is a file, and no replay's; name a folder, or a file.hwr"
+                )
             return
         if len(self.record_games) != 1:
             raise ConfigError(f"--record {self.record} is a file for one game; name a folder for several")

@@ -44,7 +44,7 @@ def compile_first(*players: str, scenario: ScenarioLike = "plain") -> None:
 
 def typed() -> str:
     """The command that runs, as one would type it."""
-    return shlex.join(["hexwar", *sys.argv[1:]])
+    return "".join(one if one.isprintable() else "?" for one in shlex.join(["hexwar", *sys.argv[1:]]))
 
 
 def print_json(values: Mapping[str, object]) -> None:

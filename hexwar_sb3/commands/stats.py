@@ -14,6 +14,7 @@ from hexwar_sb3.commands.output import as_json, compile_first, print_json, table
 from hexwar_sb3.commands.run_folder import write_text
 from hexwar_sb3.commands.settings import Json, Seed, check_jobs
 from hexwar_sb3.errors import ConfigError
+from hexwar_sb3.players.player import POLICY_FILE
 
 if TYPE_CHECKING:
     from hexwar_sb3.engine.replay import Replay
@@ -47,8 +48,9 @@ class Stats:
         from hexwar_sb3.maps.files import scenario_from_document
 
         check_jobs("jobs", self.jobs)
-        paths = list(_replays(self.what))
-        if paths and len(paths) < len(self.what) and not all(Path(one).exists() for one in self.what):
+        found = {one: list(_replays(one)) for one in self.what}
+        paths = [path for one in found.values() for path in one]
+        if paths and not all(found.values()):
             raise ConfigError("name either one player or replays, not both")
         if not paths and len(self.what) != 1:
             raise ConfigError("name one player, or replays (*.hwr)")
@@ -72,13 +74,20 @@ class Stats:
         from hexwar_sb3.evaluation.play_stats import PlayStats
 
         replays = [Replay.load(path) for path in paths]
-        name, stats = self.player or _shared_name(replays), PlayStats()
+        if len({replay.head["scenario"].get("hash") for replay in replays}) > 1:
+            raise ConfigError("the replays are of several scenarios; count one at a time")
+        name, stats, hashes = self.player or _shared_name(replays), PlayStats(), set()
         for replay in replays:
             for camp, player in replay.head.get("players", {}).items():
                 if player["name"] == name:
                     stats.add(replay, camp)
+                    hashes.add(player.get("hash"))
         if not stats.games:
             raise ConfigError(f"no replay has a player called {name!r}")
+        if len(hashes) > 1:
+            raise ConfigError(
+                f"{len(hashes)} players are called {name!r}; count the replays of each by themselves"
+            )
         return name, stats, replays[0].head["scenario"]
 
     def _of_player(self, player: str) -> tuple[str, PlayStats, object]:
@@ -127,12 +136,13 @@ def _count(chunk: _Chunk) -> PlayStats:
     return stats
 
 
-def _replays(what: Sequence[str]) -> Iterator[Path]:
-    for one in map(Path, what):
-        if one.suffix == ".hwr":
-            yield one
-        elif one.is_dir():
-            yield from sorted(one.rglob("*.hwr"))
+def _replays(what: str) -> Iterator[Path]:
+    """A replay, or those of a folder; the folder of a run or of a policy is a player."""
+    path = Path(what)
+    if path.suffix == ".hwr":
+        yield path
+    elif path.is_dir() and not any((one / POLICY_FILE).is_file() for one in (path, path / "policy")):
+        yield from sorted(path.rglob("*.hwr"))
 
 
 def _shared_name(replays: Sequence[Replay]) -> str:
@@ -155,7 +165,8 @@ def in_words(stats: PlayStats, name: str) -> str:
                 {k: n for (p, t, k), n in stats.tasks.items() if (p, t) == (phase, kind) and k != "stop"}
             )
             if counts:
-                shares = [stats.share(group, phase, kind).percent() for group in (GRID, PIECE)]
+                found = stats.decisions(phase, kind)
+                shares = [f"{100 * found[group] / counts.total():.1f}" for group in (GRID, PIECE)]
                 most = ", ".join(
                     f"{word} {100 * n / counts.total():.0f} %" for word, n in counts.most_common(3)
                 )
@@ -170,16 +181,12 @@ def in_words(stats: PlayStats, name: str) -> str:
             ]
             shots.append([shooter, f"{total:,}", *cells])
     moves = [
-        [kind, f"{stats.moves[kind]:,}", stats.agreement(kind).percent()]
+        [kind, f"{stats.moves[kind]:,}", f"{100 * stats.agreeing[kind] / stats.moves[kind]:.1f}"]
         for kind in TYPES
         if stats.moves[kind]
     ]
     claims = [
-        [
-            words,
-            found.percent() if 0.0 <= found.value <= 1.0 and "than" not in words else str(found),
-            WORDS[holds],
-        ]
+        [words, found.percent() if "targets" not in words else str(found), WORDS[holds]]
         for words, found, holds in stats.claims()
     ]
     return "\n\n".join(
@@ -189,6 +196,6 @@ def in_words(stats: PlayStats, name: str) -> str:
             "targets in the first half of the game, % of the shots (in brackets: of what could be fired at)\n"
             + table(("shooter", "shots", *TYPES), shots),
             table(("piece", "hops to a cell", "as the heuristic's, %"), moves),
-            table(("what the paper says of its CAI", "here", ""), claims),
+            table(("what the paper says of its CAI", "here, 95 % over games", ""), claims),
         )
     )

@@ -5,6 +5,7 @@ from __future__ import annotations
 from hexwar_sb3.engine.record import Line
 from hexwar_sb3.engine.replay import Replay
 from hexwar_sb3.engine.roster import SIDES, camp_name
+from hexwar_sb3.errors import ReplayFileError
 
 _CAMPS = tuple(map(camp_name, SIDES))
 
@@ -13,7 +14,18 @@ def margins(replay: Replay) -> dict[str, list[tuple[int, int]]]:
     """Ticks at which a camp's margin changes, and what it is from then on, in points; the first is tick 0.
 
     Losses and captures tell; what they do not explain, a change by hand, steps at the next state.
+
+    Raises:
+        ReplayFileError: an event of them lacks what it lost, or where it was.
     """
+    try:
+        return _followed(replay)
+    except (LookupError, ValueError, TypeError) as error:
+        found, expected = f"{type(error).__name__}: {error}", "losses, and captures of control points"
+        raise ReplayFileError(replay.source, "events", found=found, expected=expected) from error
+
+
+def _followed(replay: Replay) -> dict[str, list[tuple[int, int]]]:
     score = _Score(replay)
     found = {camp: [(0, replay.states[0]["margin"][camp])] for camp in _CAMPS}
     for line in replay.lines:

@@ -169,6 +169,18 @@ class Replay:
         for number, line in enumerate(self.lines, start=1):
             if version == 1 and line["type"] in SINCE_2:
                 self._fail(f"line {number}", shown(line["type"]), "a line of version 1, as the head says")
+            if line["type"] == "known" and self.camp is None:
+                self._fail(f"line {number}", '"known"', "a line of a whole replay")
+            if line["type"] == "decision":
+                self._check_decision(line, f"line {number}, decision")
+
+    def _check_decision(self, line: Line, place: str) -> None:
+        if self.camp is None and "reward" not in line:
+            self._fail(place, "no 'reward'", "one, as in every whole replay")
+        if self.camp is not None and (line["camp"] != self.camp or "reward" in line):
+            self._fail(place, "what the camp does not know", f"choices of {self.camp}, without a reward")
+        if len({choice[0] for choice in line["choices"]}) < len(line["choices"]):
+            self._fail(place, "a piece twice", "one choice a piece")
 
     def _check_players(self) -> None:
         players = self._document(self.head.get("players", {}), "head.players")

@@ -88,6 +88,11 @@ def _is_known_piece(value: Any) -> bool:
     )
 
 
+def _is_task(value: Any) -> bool:
+    """A word, and a cell or a piece where it has one."""
+    return _is_text(value) and 0 < len(value.split(" ")) <= 2 and all(value.split(" "))
+
+
 def _is_choice(value: Any) -> bool:
     """[piece, number of the chosen task, tasks, values, direction], as a decision has it."""
     if not isinstance(value, list | tuple) or len(value) != len(CHOICE):
@@ -95,7 +100,7 @@ def _is_choice(value: Any) -> bool:
     piece, chosen, tasks, values, direction = value
     return (
         _is_text(piece)
-        and _is_list(tasks, MAX_TASKS, _is_text)
+        and _is_list(tasks, MAX_TASKS, _is_task)
         and type(chosen) is int
         and 0 <= chosen < len(tasks)
         and _is_list(values, MAX_TASKS, _is_whole)
@@ -224,7 +229,9 @@ LINES: Mapping[str, tuple[Mapping[str, Kind], Mapping[str, Kind]]] = {
             "reward": Kind(
                 f"whole numbers for {', '.join(REWARD)}",
                 lambda value: (
-                    isinstance(value, dict) and tuple(value) == REWARD and all(map(_is_whole, value.values()))
+                    isinstance(value, dict)
+                    and set(value) == set(REWARD)
+                    and all(map(_is_whole, value.values()))
                 ),
             )
         },

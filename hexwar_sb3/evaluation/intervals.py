@@ -9,7 +9,8 @@ from statistics import NormalDist
 import numpy as np
 import numpy.typing as npt
 
-CONFIDENCE = 0.95  # two-sided, of every interval that we print
+CONFIDENCE = 0.95
+LEAST_GAMES = 2  # of an interval over games  # two-sided, of every interval that we print
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,3 +74,26 @@ def paired_interval(ours: npt.ArrayLike, theirs: npt.ArrayLike, confidence: floa
     return mean_interval(
         np.asarray(ours, dtype=np.float64) - np.asarray(theirs, dtype=np.float64), confidence
     )
+
+
+def ratio_interval(parts: npt.ArrayLike, wholes: npt.ArrayLike, confidence: float = CONFIDENCE) -> Estimate:
+    """Sum of `parts` over sum of `wholes`, with the normal interval over games, within which nothing is independent.
+
+    Args:
+        parts: of each game [game].
+        wholes: likewise; a game may have 0.
+        confidence: probability that the interval covers the true ratio.
+
+    Example:
+        >>> ratio_interval([8, 6, 7], [10, 10, 10]).percent()
+        '70.0 % [58.7, 81.3]'
+    """
+    tops, bottoms = (np.asarray(values, dtype=np.float64) for values in (parts, wholes))
+    if tops.size < LEAST_GAMES or not bottoms.sum():
+        value = float(tops.sum() / bottoms.sum()) if bottoms.sum() else float("nan")
+        return Estimate(value, float("nan"), float("nan"))
+    ratio = float(tops.sum() / bottoms.sum())
+    rest = tops - ratio * bottoms
+    error = sqrt(float((rest**2).sum()) * tops.size / (tops.size - 1)) / float(bottoms.sum())
+    half = normal_quantile(confidence) * error
+    return Estimate(ratio, ratio - half, ratio + half)

@@ -114,13 +114,13 @@ class Evaluation:
         blue: object,
         episode: int = 0,
         decision_ticks: tuple[int, int] | None = None,
+        names: tuple[str, str] | None = None,
         command: str | None = None,
     ) -> Replay:
         """Play one game of a cell, by its number, and write it down; further arguments as `record_game`."""
         seed = seed_for(self.purpose, self.seed)
-        return record_game(
-            red, blue, self.terms, seed, episode=episode, decision_ticks=decision_ticks, command=command
-        )
+        more: dict[str, Any] = {"decision_ticks": decision_ticks, "names": names, "command": command}
+        return record_game(red, blue, self.terms, seed, episode=episode, **more)
 
 
 def play_match(

@@ -16,7 +16,7 @@ from hexwar_sb3.engine.record import Line
 from hexwar_sb3.engine.replay import Replay
 from hexwar_sb3.engine.roster import enemy_of, parse_camp
 from hexwar_sb3.errors import ReplayFileError
-from hexwar_sb3.evaluation.intervals import Estimate, mean_interval, wilson
+from hexwar_sb3.evaluation.intervals import Estimate, ratio_interval
 from hexwar_sb3.maps.geometry import DIRECTION_NAMES, direction_between
 from hexwar_sb3.rules.enums import Camp, PieceType
 from hexwar_sb3.rules.indices import CellIndex, PieceIndex
@@ -28,6 +28,7 @@ STOP, GRID, PIECE = "stop", "grid task", "piece task"
 _GRID = ("hold", "hide", "drop")
 TYPES = tuple(kind.name.lower() for kind in PieceType)
 LEAST_SHARE = 0.8  # of moves as the heuristic's, IV-D
+LEAST_GAMES = 20  # that tell of a claim, before anything is said of it
 
 
 def group_of(task: str) -> str:
@@ -45,7 +46,7 @@ class PlayStats:
         >>> stats = PlayStats()
         >>> stats.add(record_game("HRL0", "MA2", seed=3), "red")
         >>> stats.games, sorted({phase for phase, _, _ in stats.tasks})
-        (1, ['deployment', 'endgame', 'preemption'])
+        (1, ['deployment', 'endgame'])
     """
 
     games: int = 0
@@ -63,6 +64,9 @@ class PlayStats:
     agreeing: Counter[str] = field(default_factory=Counter)  # of them as the heuristic's
     visits: Counter[str] = field(default_factory=Counter)  # cells that its ground pieces came into
     kills: Counter[str] = field(default_factory=Counter)  # cells where enemies were destroyed
+    counts: dict[str, list[tuple[float, float]]] = field(
+        default_factory=dict
+    )  # by claim: part and whole of each game
 
     def add(self, replay: Replay, camp: str) -> None:
         """Count one more game, in which the player had this camp.
@@ -77,10 +81,16 @@ class PlayStats:
                 found=f"no decisions of {camp}",
                 expected="a replay of version 2 with them",
             )
-        watch = _Watch(self, parse_camp(camp))
-        for line, game in replay.played_again():
-            watch.look(line, game)
-        self.games += 1
+        one = PlayStats(games=1)
+        watch = _Watch(one, parse_camp(camp))
+        try:
+            for line, game in replay.played_again():
+                watch.look(line, game)
+        except (LookupError, ValueError) as error:  # an arrival without a cell, a task that is none
+            found, expected = f"{type(error).__name__}: {error}", "events and tasks of pieces on the map"
+            raise ReplayFileError(replay.source, "events", found=found, expected=expected) from error
+        one.counts = {words: [counts] for words, counts, _ in one._counted()}
+        self.merge(one)
 
     def merge(self, other: PlayStats) -> None:
         """Take in the counts of another."""
@@ -91,34 +101,50 @@ class PlayStats:
             self.available[key] = self.available.get(key, 0.0) + share
         self.blood += other.blood
         self.value += other.value
+        for words, counts in other.counts.items():
+            self.counts.setdefault(words, []).extend(counts)
 
-    def share(self, group: str, phase: str, *types: str) -> Estimate:
-        """Share of a group of tasks in a phase, of some piece types or all; decisions to stop do not count."""
+    def decisions(self, phase: str, *types: str) -> Counter[str]:
+        """Numbers of grid and of piece tasks in a phase, of some piece types or all."""
         counts: Counter[str] = Counter()
         for (when, piece, kind), count in self.tasks.items():
             if when == phase and (piece in types or not types):
                 counts[group_of(kind)] += count
-        return wilson(counts[group], counts[GRID] + counts[PIECE])
+        return counts
 
-    def agreement(self, *types: str) -> Estimate:
-        """Share of hops as the heuristic's, of some piece types or all."""
-        which = types or TYPES
-        return wilson(sum(self.agreeing[kind] for kind in which), sum(self.moves[kind] for kind in which))
+    def _counted(self) -> Iterator[tuple[str, tuple[float, float], float]]:
+        """Claims: words, part and whole, and the least ratio of them with which the claim holds."""
+        for words, group, counts in (
+            ("deployment: grid tasks", GRID, self.decisions(PHASES[0])),
+            ("preemption: chariots and aerocraft pick piece tasks", PIECE, self.decisions(PHASES[1], "chariot", "aerocraft")),
+            ("endgame: piece tasks", PIECE, self.decisions(PHASES[2])),
+        ):  # fmt: skip
+            yield words, (counts[group], counts[GRID] + counts[PIECE]), 0.5
+        yield "moves as the heuristic's", (self.agreeing.total(), self.moves.total()), LEAST_SHARE
+        yield (
+            "blood of targets, less the mean of the available ones",
+            (-sum(self.blood), len(self.blood)),
+            0.0,
+        )
+        yield "value of targets, less the mean of the available ones", (sum(self.value), len(self.value)), 0.0
 
     def claims(self) -> Iterator[tuple[str, Estimate, bool | None]]:
-        """What the paper says of its best commander, the figure here, and whether it holds.
+        """What the paper says of its best commander, the figure here with its interval over games, and whether it holds.
 
-        It does where the whole interval is above the bar, it does not where all of it is below; else (None) it is open.
+        It does where the whole interval is above the bar (below 0 for the blood of targets), it does not where all of it
+        is on the other side; else, and with less than 20 games that tell of it, it is open (None).
         """
-        for words, found, least in (
-            ("deployment: grid tasks", self.share(GRID, PHASES[0]), 0.5),
-            ("preemption: chariots and aerocraft pick piece tasks", self.share(PIECE, PHASES[1], "chariot", "aerocraft"), 0.5),
-            ("endgame: piece tasks", self.share(PIECE, PHASES[2]), 0.5),
-            ("moves as the heuristic's", self.agreement(), LEAST_SHARE),
-            ("targets of lower blood than the available ones", _minus(mean_interval(self.blood)), 0.0),
-            ("targets of higher value than the available ones", mean_interval(self.value), 0.0),
-        ):  # fmt: skip
-            yield words, found, True if found.low > least else False if found.high < least else None
+        for words, _, least in self._counted():
+            parts, wholes = zip(*self.counts.get(words, [(0, 0)]), strict=True)
+            found = ratio_interval(parts, wholes)
+            told = sum(whole > 0 for whole in wholes) >= LEAST_GAMES
+            verdict = True if found.low > least else False if found.high < least else None
+            lower = words.startswith("blood")
+            yield (
+                words,
+                Estimate(-found.value, -found.high, -found.low) if lower else found,
+                verdict if told else None,
+            )
 
     def as_dict(self) -> dict[str, Any]:
         """Plain values for JSON."""
@@ -131,10 +157,6 @@ class PlayStats:
             "kills": dict(self.kills.most_common()),
             "claims": [[words, found.value, found.low, found.high, holds] for words, found, holds in self.claims()],
         }  # fmt: skip
-
-
-def _minus(found: Estimate) -> Estimate:
-    return Estimate(-found.value, -found.high, -found.low)
 
 
 class _Watch:
@@ -205,10 +227,11 @@ class _Watch:
     def _move(self, i: PieceIndex, order: Move, game: Game) -> None:
         """A hop of a piece that was told to go to a cell: is it the heuristic's?"""
         task = self.doing.get(game.roster.short(i), STOP)
-        if group_of(task) != GRID or not order.path:
+        aim = task.partition(" ")[2]
+        if group_of(task) != GRID or not order.path or not aim:  # some of a random player's lead nowhere
             return
         world, piece = game.world, game.pieces[i]
-        goal, here = game.roster.cell(task.split()[1]), CellIndex(piece.cell)
+        goal, here = game.roster.cell(aim), CellIndex(piece.cell)
         best = next_direction(
             piece.kind, piece.camp, here, goal, False, world.rules[0], world.cells, world.eta
         )

@@ -17,15 +17,18 @@ from numpy.typing import NDArray
 
 from hexwar_sb3.bots.config import bots_hash, drawn_hash
 from hexwar_sb3.bots.registry import FAMILIES, as_member
+from hexwar_sb3.engine.replay import Replay
 from hexwar_sb3.errors import FileFormatError
 from hexwar_sb3.evaluation.elo import Pairing, Ratings, elo_ratings
 from hexwar_sb3.evaluation.intervals import Estimate, wilson
 from hexwar_sb3.evaluation.jobs import run_jobs
 from hexwar_sb3.evaluation.matches import Evaluation
 from hexwar_sb3.evaluation.provenance import provenance
+from hexwar_sb3.evaluation.seeds import seed_for
 from hexwar_sb3.files import write_entries, write_json
 from hexwar_sb3.folders import holding
 from hexwar_sb3.kinds import read_fields
+from hexwar_sb3.play.seeds import game_seed
 from hexwar_sb3.players.frozen import FrozenPolicy
 from hexwar_sb3.players.player import BotPlayer, make_player
 from hexwar_sb3.players.terms import trained_terms
@@ -288,14 +291,14 @@ def play(match: Match) -> None:
 
 
 def median_game(margins: NDArray[np.float64]) -> int:
-    """Number of the game that half of the games surpass by margin: what a match is like. Of equals it is the first.
+    """Number of the game that half of the games surpass by margin: what a match is like. Of equal ones it is the first.
 
     Example:
         >>> import numpy as np
         >>> median_game(np.array([-200.0, 30.0, 10.0, 90.0]))
         2
     """
-    return int(np.argsort(margins, kind="stable")[(len(margins) - 1) // 2])
+    return int(np.flatnonzero(margins == np.sort(margins)[(len(margins) - 1) // 2])[0])
 
 
 def record_medians(
@@ -316,22 +319,36 @@ def record_medians(
         folder: gets `SCENARIO~RED~BLUE.hwr`.
         command: what made them, as one would type it.
     """
-    missing = [
+    games = [
         (
             Match(meeting, reds[meeting.red], blues[meeting.blue], evaluation, folder),
             int(row[MEDIAN]),
             command,
         )
         for meeting, row in table.rows.items()
-        if MEDIAN in row and not (folder / f"{meeting.stem}.hwr").is_file()
+        if MEDIAN in row
     ]
-    run_jobs(_record, missing, jobs, "game")
+    run_jobs(_record, [one for one in games if not _is_recorded(*one[:2])], jobs, "game")
+
+
+def _is_recorded(match: Match, game: int) -> bool:
+    """Whether the folder has this game of these players; of another one, or a broken file, it is made anew."""
+    try:
+        replay = Replay.load(match.folder / f"{match.meeting.stem}.hwr")
+    except (FileFormatError, OSError):
+        return False
+    seed = game_seed(seed_for(match.evaluation.purpose, match.evaluation.seed), game)
+    seats = (make_player(match.red), make_player(match.blue))
+    hashes = [bots_hash() if isinstance(one, BotPlayer) else getattr(one, "sha256", None) for one in seats]
+    found = [player.get("hash") for player in replay.head.get("players", {}).values()]
+    return replay.seed == seed and found == hashes
 
 
 def _record(job: tuple[Match, int, str | None]) -> None:
     match, game, command = job
     how = replace(match.evaluation, terms=replace(match.evaluation.terms, scenario=match.meeting.scenario))
-    replay = how.record(match.red, match.blue, game, match.decision_ticks, command)
+    names = match.meeting.red, match.meeting.blue
+    replay = how.record(match.red, match.blue, game, match.decision_ticks, names, command)
     replay.save(match.folder / f"{match.meeting.stem}.hwr")
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -29,6 +30,7 @@ def record_game(
     *,
     episode: int = 0,
     decision_ticks: tuple[int, int] | None = None,
+    names: tuple[str, str] | None = None,
     command: str | None = None,
 ) -> Replay:
     """Play one game and write it down; it is the game that `play_games` plays as its number `episode`.
@@ -42,6 +44,7 @@ def record_game(
         seed: of the match.
         episode: number of the game.
         decision_ticks: between decisions of (red, blue), where they differ from the terms.
+        names: of (red, blue) in the replay; None: the bots' or the folders'.
         command: what made it, as one would type it.
 
     Example:
@@ -60,8 +63,10 @@ def record_game(
         decisions.ask()
         _advance(arena, recorder, decisions)
         arena.answer(np.zeros(1, np.int64))
-    names = _name(red, seats[0]), _name(blue, seats[1])
-    return Replay.recorded(recorder, arena.state, 0, dice_seed, *names, command)
+    told = [_name(player, seat) for player, seat in zip((red, blue), seats, strict=True)]
+    if names is not None:
+        told = [replace(one, name=name) for one, name in zip(told, names, strict=True)]
+    return Replay.recorded(recorder, arena.state, 0, dice_seed, told[0], told[1], command)
 
 
 def _advance(arena: Arena, recorder: Recorder, decisions: DecisionLog) -> None:

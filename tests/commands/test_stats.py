@@ -9,6 +9,9 @@ import pytest
 
 from hexwar_sb3.cli import main
 from hexwar_sb3.play.recording import record_game
+from hexwar_sb3.players.frozen import FrozenPolicy
+from hexwar_sb3.players.player import make_player
+from hexwar_sb3.players.terms import Terms
 
 
 def run(*arguments: str) -> int:
@@ -45,6 +48,32 @@ def test_statistics_of_replays_are_those_of_who_is_in_all_of_them(
     figures = json.loads(capsys.readouterr().out)
 
     assert (figures["player"], figures["games"]) == ("HRL0", 2)
+
+
+def test_the_folder_of_a_run_is_a_player_though_replays_lie_in_it(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    policy = make_player("HRL0")
+    assert isinstance(policy, FrozenPolicy)
+    policy.save(tmp_path / "run" / "policy")
+    record_game("MA2", "MA1", seed=1).save(tmp_path / "run" / "replays" / "a.hwr")
+
+    assert run(str(tmp_path / "run"), "--opponents", "MA1", "--games", "1", "--json") == 0
+    assert json.loads(capsys.readouterr().out)["player"] == "run"
+
+
+def test_replays_of_two_maps_or_of_two_players_of_a_name_are_not_added_up(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    names = ("mine", "MA1")
+    record_game("HRL0", "MA1", seed=1, names=names).save(tmp_path / "a.hwr")
+    record_game("HRL0", "MA1", Terms(scenario="paddy"), seed=1, names=names).save(tmp_path / "b" / "b.hwr")
+    record_game("nearest", "MA1", seed=1, names=names).save(tmp_path / "c" / "c.hwr")
+
+    assert run(str(tmp_path / "a.hwr"), str(tmp_path / "b"), "--player", "mine") == 2
+    assert "of several scenarios" in capsys.readouterr().err
+    assert run(str(tmp_path / "a.hwr"), str(tmp_path / "c"), "--player", "mine") == 2
+    assert "2 players are called 'mine'" in capsys.readouterr().err
 
 
 WRONG = {

@@ -38,6 +38,8 @@ def test_a_tournament_leaves_table_picture_and_matches(
     margins = Evaluation(games=3, seed=0).play("MA1", "nearest").red.margins
     assert replay.end["margin"]["red"] == sorted(margins)[1] == margins[row["median_game"]]
     assert replay.head["command"].startswith("hexwar tournament MA1 nearest")
+    other = Replay.load(tmp_path / "games" / "plain~any~MA1.hwr")
+    assert other.head["players"]["red"]["name"] == "any"  # as the table calls it
     assert len(made) == 6
     assert all(path.stat().st_mtime_ns == time for path, time in made.items())
     assert printed.startswith((tmp_path / "table.txt").read_text().rstrip())

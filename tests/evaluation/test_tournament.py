@@ -8,9 +8,11 @@ from itertools import islice
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from hexwar_sb3.algorithms.qmix import QMIX
+from hexwar_sb3.engine.replay import Replay
 from hexwar_sb3.envs.registration import make_vec_env
 from hexwar_sb3.errors import FileFormatError, HexWarError, PolicyFileError
 from hexwar_sb3.evaluation.jobs import run_jobs
@@ -19,8 +21,10 @@ from hexwar_sb3.evaluation.tournament import (
     Match,
     Meeting,
     fingerprint,
+    median_game,
     pack,
     play_meetings,
+    record_medians,
     single_round_robin,
     unpack,
 )
@@ -227,3 +231,23 @@ def test_figures_that_do_not_add_up_are_noticed(name: str, camp: str, played: Ma
     match.path.write_text(json.dumps(row))
     with pytest.raises(FileFormatError, match=rf"{camp}\.{name}: found nothing"):
         match.read()
+
+
+def test_the_median_game_is_the_first_of_equals() -> None:
+    assert median_game(np.array([5.0, 5.0, 5.0])) == 0
+    assert median_game(np.array([9.0, 5.0, 1.0, 5.0])) == 1
+
+
+def test_a_median_game_of_another_match_is_written_anew(tmp_path: Path) -> None:
+    players, meeting = {"a": "MA1", "b": "nearest"}, Meeting(red="a", blue="b", scenario="plain")
+    seeds, times = [], []
+    for seed in (0, 1, 1):
+        how = Evaluation(games=1, seed=seed)
+        table = play_meetings([meeting], players, players, how, tmp_path / f"matches_{seed}")
+        record_medians(table, players, players, how, tmp_path / "games")
+        path = tmp_path / "games" / "plain~a~b.hwr"
+        seeds.append(Replay.load(path).seed)
+        times.append(path.stat().st_mtime_ns)
+
+    assert seeds[0] != seeds[1] == seeds[2]
+    assert times[0] != times[1] == times[2]
