@@ -22,6 +22,13 @@ if TYPE_CHECKING:
     from hexwar_sb3.evaluation.play_stats import PlayStats
 
 WHAT = "a player (a bot's name, a run folder or a policy folder), or replays (*.hwr) and folders of them"
+WhoPlays = Annotated[
+    str | None,
+    tyro.conf.arg(
+        help="whose play is counted in replays, by its name there",
+        help_behavior_hint="(default: who is in all of them)",
+    ),
+]
 CHUNK = 25  # games of a job
 WORDS = {True: "holds", False: "does not hold", None: "open"}
 
@@ -36,9 +43,7 @@ class Stats:
     opponents: tuple[str, ...] = ("MA1", "MA2")  # of a player's games
     games: int = 500  # of a player, an opponent and colour
     seed: Seed = 0
-    player: str | None = (
-        None  # whose play is counted in replays, by its name there; None: who is in all of them
-    )
+    player: WhoPlays = None
     jobs: int = 1  # side by side
     output: Path | None = None  # folder that gets stats.txt, stats.json and pictures (PDF, SVG, PNG)
     json: Json = False

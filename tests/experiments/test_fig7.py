@@ -37,18 +37,20 @@ def test_the_figure_draws_what_is_there(
     draw(RUNS, places, tmp_path / "fig7.png")
 
     (figure,) = figures
-    titles = [axes.get_title() for axes in figure.axes]
-    assert titles[::2] == [
-        "plain, against MA1",
-        "plain, against MA2",
-        "hills, against MA1",
-        "hills, against MA2",
+    titles = [axes.get_title(loc="left") for axes in figure.axes]
+    assert titles == [
+        f"{scenario}, against {opponent}"
+        for scenario in ("plain", "hills")
+        for _ in ("win rate", "margin")
+        for opponent in ("MA1", "MA2")
     ]
-    legends = [axes.get_legend_handles_labels()[1] for axes in figure.axes]
-    assert (legends[0], legends[4]) == (
-        ["HRL, 2 seeds, 80 min each"],
-        ["DQN, the paper's, 1 seed, 10 min each"],
-    )
+    (legend,) = figure.legends  # one for all
+    assert [text.get_text() for text in legend.get_texts()] == [
+        "HRL (2 trainings, 80 min each)",
+        "DQN, the paper's (1 training, 10 min each)",
+        "the paper's HRL0",
+    ]
+    assert all(axes.get_ylim() == (0.0, 1.0) for axes in figure.axes[0:2])  # one y-axis
     assert (tmp_path / "fig7.png").read_bytes().startswith(b"\x89PNG")
 
 
@@ -61,7 +63,7 @@ def test_a_curve_is_the_mean_over_seeds_and_its_band_their_range(
 
     draw(RUNS, places, tmp_path / "fig7.png")
 
-    axes = figures[0].axes[1]
+    axes = figures[0].axes[2]
     assert np.asarray(axes.lines[0].get_xydata()).tolist() == [[0.0, 21.5], [100.0, 21.5]]
     band = axes.collections[0].get_paths()[0].get_extents()
     assert (band.y0, band.y1) == (11.5, 31.5)
@@ -70,4 +72,4 @@ def test_a_curve_is_the_mean_over_seeds_and_its_band_their_range(
 def test_without_results_the_figure_is_empty(places: Places, figures: list[Figure], tmp_path: Path) -> None:
     draw(RUNS, places, tmp_path / "fig7.png")
 
-    assert [axes.get_title() for axes in figures[0].axes] == ["", "", "", ""]
+    assert [axes.get_title(loc="left") for axes in figures[0].axes] == ["", "", "", ""]

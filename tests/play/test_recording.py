@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import pytest
 
+from hexwar_sb3.bots.config import bots_hash
 from hexwar_sb3.play.match import play_games
 from hexwar_sb3.play.recording import record_game
 
@@ -18,4 +19,4 @@ def test_a_recorded_game_is_the_game_of_the_match() -> None:
     replay = record_game("MA2", "MA1", seed=5, episode=1)
 
     assert replay.end["margin"]["red"] == match.margins[1, 0]
-    assert replay.head["players"]["red"] == {"name": "MA2", "kind": "bot"}
+    assert replay.head["players"]["red"] == {"name": "MA2", "kind": "bot", "hash": bots_hash()}
