@@ -133,11 +133,14 @@ class _Chunk:
 
 def _count(chunk: _Chunk) -> PlayStats:
     from hexwar_sb3.evaluation.play_stats import PlayStats
+    from hexwar_sb3.players.terms import trained_terms
 
     stats, is_red = PlayStats(), chunk.camp == "red"
     red, blue = (chunk.player, chunk.opponent) if is_red else (chunk.opponent, chunk.player)
+    own = chunk.how.terms.decision_ticks
+    its = trained_terms(chunk.opponent, chunk.how.terms).decision_ticks  # it decides as it was trained
     for game in chunk.games:
-        stats.add(chunk.how.record(red, blue, game), chunk.camp)
+        stats.add(chunk.how.record(red, blue, game, (own, its) if is_red else (its, own)), chunk.camp)
     return stats
 
 

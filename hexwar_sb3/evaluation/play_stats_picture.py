@@ -101,7 +101,7 @@ def _places(stats: PlayStats, scenario: Scenario, player: str) -> Figure:
     ):
         draw_map(axes, hexmap)
         axes.set_rasterization_zorder(GROUND)
-        _draw_heat(figure, axes, hexmap, counts, f"{word}, both colours")
+        _draw_heat(figure, axes, hexmap, counts, word)
         draw_points(axes, scenario)
         axes.set_title(f"{player}: {word}", fontsize="medium", loc="left", color=INK)
     return figure

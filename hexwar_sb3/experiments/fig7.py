@@ -73,7 +73,7 @@ def draw(all_runs: Sequence[Run], places: Places, path: Path) -> None:
     """
     from matplotlib.ticker import EngFormatter
 
-    from hexwar_sb3.pictures import INK, new_figure, write_figure
+    from hexwar_sb3.pictures import FAINT, INK, new_figure, write_figure
 
     there = [run for run in all_runs if places.is_kept(run)]
     scenarios = [name for name in SCENARIOS if any(run.row.endswith(f"-{name}") for run in there)]
@@ -92,7 +92,9 @@ def draw(all_runs: Sequence[Run], places: Places, path: Path) -> None:
                         _draw_method(
                             axes, method, kept, opponent, quantity, load_scenario(scenario).game_ticks
                         )
-                _dress(axes, f"{scenario}, against {opponent}", label, opponent)
+                _dress(axes, f"{scenario}, against {opponent}", label)
+                if scenario == SCENARIOS[0] and label == QUANTITIES[0][1]:  # Tab. I is of the first map
+                    axes.axhline(PAPER[opponent], color=FAINT, linewidth=1.2, linestyle="--", label=PAPERS)
                 lines |= {str(line.get_label()): line for line in axes.get_lines()}
     for axes in grid[-1]:
         axes.set_xlabel("episodes, of both levels")
@@ -131,12 +133,11 @@ def _effort(name: str, there: Sequence[Run], places: Places) -> str:
     return f"{len(kept)} training{'s' * (len(kept) > 1)}, {minutes:.0f} min each"
 
 
-def _dress(axes: Axes, title: str, label: str, opponent: str) -> None:
-    from hexwar_sb3.pictures import FAINT, INK, dress
+def _dress(axes: Axes, title: str, label: str) -> None:
+    from hexwar_sb3.pictures import INK, dress
 
     dress(axes, title, ylabel=label)
     if label == QUANTITIES[0][1]:
         axes.set_ylim(0, 1)
-        axes.axhline(PAPER[opponent], color=FAINT, linewidth=1.2, linestyle="--", label=PAPERS)
     else:
         axes.axhline(0, color=INK, linewidth=0.6)

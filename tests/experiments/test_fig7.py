@@ -51,6 +51,10 @@ def test_the_figure_draws_what_is_there(
         "the paper's HRL0",
     ]
     assert all(axes.get_ylim() == (0.0, 1.0) for axes in figure.axes[0:2])  # one y-axis
+    papers = [
+        any(line.get_label() == "the paper's HRL0" for line in axes.get_lines()) for axes in figure.axes
+    ]
+    assert papers == [True, True, *6 * [False]]  # Tab. I is of the first map, and of win rates
     assert (tmp_path / "fig7.png").read_bytes().startswith(b"\x89PNG")
 
 
