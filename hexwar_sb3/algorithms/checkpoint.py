@@ -34,7 +34,7 @@ from hexwar_sb3.files import replacing
 from hexwar_sb3.play.seeds import check_rng, text_of
 from hexwar_sb3.reading import opened, parse_json, read_arrays
 
-FORMAT = "hexwar checkpoint 5"
+FORMAT = "hexwar checkpoint 6"
 _SINGLE = ("format", "model", "torch_random", "random", "exploring", "current")
 _GROUPS = ("replay", "last_obs", "env", "squads", "more")
 _KEYS, _WORD = 624, 2**32  # of the generator behind numpy's global functions

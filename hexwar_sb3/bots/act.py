@@ -37,18 +37,20 @@ def bot_act(
         if thinks:
             think(style, camp, game, pieces, memory, rounds, missions, brain, rules, cells, los, eta, atlas)
         support(style, camp, game, pieces, memory, rounds, orders, brain, rules, cells, config)
-    elif bot == Bot.DRAWN or bot == Bot.UNSEEN:
+    elif bot == Bot.DRAWN or bot == Bot.UNSEEN or bot == Bot.DRAWN_PLAN:
         if brain.thoughts == 1 and thinks:
             draw_player(bot, camp, game, pieces, brain.drawn)
         if thinks and bot == Bot.DRAWN:
             think_drawn(camp, game, pieces, memory, rounds, missions, brain, rules, cells, los, eta, atlas)
-        elif thinks:
+        elif thinks and bot == Bot.UNSEEN:
             think_unseen(camp, game, pieces, memory, missions, brain, rules, cells, atlas)
+        elif thinks:
+            climb(bot, camp, game, pieces, memory, missions, brain, rules, cells, eta, atlas)
         support(brain.drawn.style, camp, game, pieces, memory, rounds, orders, brain, rules, cells, config)
     elif thinks and bot == Bot.RANDOM:
         act_at_random(camp, game, pieces, orders, missions, brain, rules, cells, config)
     elif thinks:
-        climb(bot, camp, game, pieces, memory, missions, rules, cells, eta, atlas)
+        climb(bot, camp, game, pieces, memory, missions, brain, rules, cells, eta, atlas)
 
 
 @kernel

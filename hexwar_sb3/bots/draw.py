@@ -16,7 +16,8 @@ from hexwar_sb3.tasks.known import end_piece, first_piece
 
 LAST_DUTY, LAST_EVENT, LAST_PILOT = max(Duty).value, max(Event).value, max(Pilot).value
 _S11, _UNIT = np.uint64(11), 2.0**-53
-_STYLE, _CONDUCT, _SQUAD, _STAGE, _SLOT = 0, 100, 200, 300, 400  # places of the numbers
+_STYLE, _CONDUCT, _SQUAD, _STAGE, _SLOT, _PLAN = 0, 100, 200, 300, 400, 600  # places of the numbers
+_PLANNED = (Duty.TAKE.value, Duty.TAKE.value, Duty.KEEP.value, Duty.CHASE.value, Duty.CHASE.value)
 
 
 @kernel
@@ -58,6 +59,8 @@ def draw_player(bot: int, camp: CampIndex, game: GameRecord, pieces: Pieces, dra
     draw_squads(key, camp, game, pieces, drawn)
     if bot == Bot.DRAWN:
         draw_conduct(key, game, drawn)
+    elif bot == Bot.DRAWN_PLAN:
+        draw_plan(key, camp, game, pieces, drawn)
     else:
         draw_timetable(key, game, drawn)
 
@@ -132,6 +135,21 @@ def draw_conduct(key: np.uint64, game: GameRecord, drawn: CharacterRecord) -> No
     drawn.reckless = one_in(0.3, key, _CONDUCT + 55)
     drawn.retreat_blood = one_in(0.4, key, _CONDUCT + 56) * whole(1, 3, key, _CONDUCT + 57)
     drawn.retreat_threat = between(1.0, 8.0, key, _CONDUCT + 58)
+
+
+@kernel
+def draw_plan(
+    key: np.uint64, camp: CampIndex, game: GameRecord, pieces: Pieces, drawn: CharacterRecord
+) -> None:
+    """What the squads of a member of "drawn-plan" do all along: hold a point, hold it hidden, or hunt."""
+    first = first_piece(camp, game)
+    if one_in(0.5, key, _PLAN):  # squads of types of pieces, whole or in two halves
+        halves = whole(1, 2, key, _PLAN + 1)
+        for i in piece_range(first, end_piece(camp, game)):
+            place = _PLAN + 10 + 2 * int(pieces[i].kind) + (i - first) % halves
+            drawn.squad[SlotIndex(i - first)] = whole(0, SQUADS - 1, key, place)
+    for s in range(SQUADS):
+        drawn.what[s, 0] = _PLANNED[whole(0, len(_PLANNED) - 1, key, _PLAN + 2 + s)]
 
 
 @kernel

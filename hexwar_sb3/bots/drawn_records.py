@@ -1,4 +1,4 @@
-"""What is drawn of a player of the families "drawn" and "drawn-unseen" before its game begins."""
+"""What is drawn of a player of a family before its game begins."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ class CharacterRecord:
     member: U4[np.uint32]  # of the family; 0: the game's seed draws one
     style: Style  # how it weighs and fires
     squad: Vector[SlotIndex, I1[int]] = of_shape(MAX_SIDE)  # [slot] squad of a piece
-    # Of both families, a value a squad
+    # Of all families, a value a squad
     point: Vector[int, I1[int]] = of_shape(SQUADS)  # control point that it works for, most valuable first
     start: Vector[int, I2[int]] = of_shape(SQUADS)  # tick at which it sets out; before, it hides
     # "drawn" alone
@@ -34,8 +34,8 @@ class CharacterRecord:
     reckless: U1[int]  # 1: it rushes whoever leads
     retreat_blood: I1[int]  # pieces with so little blood left, or less, withdraw
     retreat_threat: F4[float]  # points of expected harm at their cell from which they do
-    # "drawn-unseen" alone: a timetable a squad
-    what: Table[int, int, I1[int]] = of_shape(SQUADS, STAGES)  # Duty
+    # "drawn-unseen" alone but for `what`: a timetable a squad
+    what: Table[int, int, I1[int]] = of_shape(SQUADS, STAGES)  # Duty; of "drawn-plan" the first, all along
     where: Table[int, int, I1[int]] = of_shape(SQUADS, STAGES)  # point, most valuable first
     until: Table[int, int, I2[int]] = of_shape(SQUADS, STAGES)  # tick at which the stage ends at the latest
     ends_by: Table[int, int, I1[int]] = of_shape(SQUADS, STAGES)  # Event that ends it before

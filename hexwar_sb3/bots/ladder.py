@@ -1,9 +1,10 @@
-"""The simpler players: constant plans, "nearest", "defender". They think in tasks, once every thought."""
+"""The simpler players: constant plans, written or drawn, "nearest", "defender". They think in tasks, once every thought."""
 
 from __future__ import annotations
 
-from hexwar_sb3.bots.records import AtlasRecord
-from hexwar_sb3.bots.registry import Bot
+from hexwar_sb3.bots.drawn_records import CharacterRecord
+from hexwar_sb3.bots.records import AtlasRecord, BrainRecord
+from hexwar_sb3.bots.registry import Bot, Duty
 from hexwar_sb3.engine.pieces import on_map
 from hexwar_sb3.engine.records import NO_CELL, NO_PIECE, GameRecord, Memory, PieceRecord, Pieces
 from hexwar_sb3.engine.score import points_held
@@ -21,24 +22,27 @@ from hexwar_sb3.tasks.travel import UNREACHABLE, travel_ticks
 
 @kernel
 def climb(
-    bot: int, camp: CampIndex, game: GameRecord, pieces: Pieces, memory: Memory, missions: Missions, rules: RulesRecord, cells: Cells,
-    eta: TravelTimes, atlas: AtlasRecord,
+    bot: int, camp: CampIndex, game: GameRecord, pieces: Pieces, memory: Memory, missions: Missions, brain: BrainRecord, rules: RulesRecord,
+    cells: Cells, eta: TravelTimes, atlas: AtlasRecord,
 ) -> None:  # fmt: skip
     """Give every piece of a simple player its task."""
     first = first_piece(camp, game)
     for i in piece_range(first, end_piece(camp, game)):
         if not on_map(pieces[i]):
             continue
+        slot, hides = SlotIndex(i - first), bot == Bot.DEFENDER
         if bot == Bot.NEAREST or bot == Bot.DEFENDER:
             own = bot == Bot.DEFENDER and points_held(game, camp) > 0
             cell = nearest_point(i, own, camp, game, pieces, rules, cells, eta)
+        elif bot == Bot.DRAWN_PLAN:
+            cell, hides = drawn_point(slot, game, pieces[i], brain.drawn, atlas)
         else:
-            cell = planned_point(bot, SlotIndex(i - first), game, pieces[i], atlas)
+            cell = planned_point(bot, slot, game, pieces[i], atlas)
         if cell == NO_CELL:
             hunt(i, camp, game, pieces, memory, missions, rules, cells, atlas)
         elif pieces[i].passenger != NO_PIECE and pieces[i].cell == cell:
             assign(missions[i], TaskKind.DROP, NO_PIECE, cell, game.tick)
-        elif bot == Bot.DEFENDER and pieces[i].cell == cell:
+        elif hides and pieces[i].cell == cell:
             assign(missions[i], TaskKind.HIDE, NO_PIECE, cell, game.tick)
         else:
             assign(missions[i], TaskKind.HOLD, NO_PIECE, cell, game.tick)
@@ -59,6 +63,19 @@ def planned_point(
             return NO_CELL
         rank = slot % 2
     return CellIndex(game.point_cell[atlas.rank[min(rank, game.n_points - 1)]])
+
+
+@kernel
+def drawn_point(
+    slot: SlotIndex, game: GameRecord, piece: PieceRecord, drawn: CharacterRecord, atlas: AtlasRecord
+) -> tuple[CellIndex, bool]:
+    """Cell that a drawn plan sends a piece to, NO_CELL if it hunts; and whether it hides there."""
+    s = int(drawn.squad[slot])
+    if game.tick < drawn.start[s]:
+        return CellIndex(piece.cell), True
+    if drawn.what[s, 0] == Duty.CHASE or game.n_points == 0:
+        return NO_CELL, False
+    return CellIndex(game.point_cell[atlas.rank[drawn.point[s]]]), bool(drawn.what[s, 0] == Duty.KEEP)
 
 
 @kernel

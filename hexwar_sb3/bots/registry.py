@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from enum import IntEnum
 
 BOTS_VERSION = "1"  # goes into every result beside the hash; a change re-runs every figure that names a bot
-DRAWN_VERSION = "1"  # of the families
+DRAWN_VERSION = "2"  # of the families
 
 
 class Bot(IntEnum):
@@ -22,10 +22,11 @@ class Bot(IntEnum):
     TWO_HOLD = 7
     DRAWN = 8
     UNSEEN = 9
+    DRAWN_PLAN = 10
 
 
 class Duty(IntEnum):
-    """What a squad of "drawn-unseen" does in a stage of its timetable."""
+    """What a squad of "drawn-unseen" does in a stage of its timetable, and one of "drawn-plan" all along."""
 
     TAKE = 0  # goes onto a point, and holds it
     KEEP = 1  # the same, hidden
@@ -77,9 +78,13 @@ BOTS: dict[str, BotSpec] = {
     "drawn": BotSpec(
         Bot.DRAWN, "drawn anew for each game: posture, squads, points, times, feints; to train against"
     ),
+    "drawn-plan": BotSpec(
+        Bot.DRAWN_PLAN,
+        "constant plan drawn anew for each game: squads that hold a point or hunt; to train against",
+    ),
     "drawn-unseen": BotSpec(Bot.UNSEEN, "drawn anew, of another construction: timetables; only to measure"),
 }
-FAMILIES = ("drawn", "drawn-unseen")
+FAMILIES = ("drawn", "drawn-plan", "drawn-unseen")
 """Players of which each game draws a member; "drawn:7" is the seventh, the same in every game."""
 MOST_MEMBER = 2**32 - 1
 

@@ -47,7 +47,7 @@ class TrainSettings:
     scenario: ScenarioName = "plain"
     side: Literal["red", "blue", "both"] = "both"  # camp of the commander; both: in turn
     # bots' names or policy folders, NAME=WEIGHT; each game draws one; "self": copies of this commander as it was before;
-    # else a broad mixture: MA1=6 MA2=6 drawn=3 nearest defender all-main half-half, and HRL0=2 on maps that it fits
+    # else a broad mixture: MA1=6 MA2=6 drawn=3 drawn-plan=3 nearest defender all-main half-half, and HRL0=2 where it fits
     opponents: tuple[str, ...] | None = None
     self_freq: int = 24_000  # env steps between two copies of itself, where "self" is an opponent
     # "default", a file of `hexwar tune export`, or "paper": the numbers of section IV to the letter; its learning rate

@@ -21,7 +21,7 @@ from hexwar_sb3.play.encounters import Encounters
 from hexwar_sb3.play.seeds import check_seed, chosen_seed, game_seed
 from hexwar_sb3.play.sight import Sight
 from hexwar_sb3.players.fit import check_actions
-from hexwar_sb3.players.player import Seat
+from hexwar_sb3.players.player import Seat, member_of
 from hexwar_sb3.rules.enums import Camp
 from hexwar_sb3.tasks.records import MAX_TASKS
 
@@ -52,6 +52,7 @@ class TaskParallelEnv(ParallelEnv[str, Obs, int]):  # type: ignore[misc]  # Pett
         self.mixture = fitting_mixture(settings.opponent, world, rivals)
         self.encounters = Encounters(len(self.mixture.players), settings.priority)
         self._opponent = 0  # of this game, its place in the mixture
+        self._rival = self.mixture.players[0]  # of this game
         self.arena, self._net = Arena(world, 1, settings), settings.reward == "net"
         self.sights = {
             camp: Sight(world, camp, 1, dtype=settings.dtype, with_state=True) for camp in self.camps
@@ -108,7 +109,8 @@ class TaskParallelEnv(ParallelEnv[str, Obs, int]):  # type: ignore[misc]  # Pett
         over = bool(self.arena.state.games.over[0])
         if over and len(self.camps) == 1:
             win = self.arena.wins(np.zeros(1, np.int64), np.array(self.camps, np.int64))
-            self.encounters.note(self._opponent, float(win[0]))
+            member = member_of(self.mixture.players[self._opponent], self._rival)
+            self.encounters.note(self._opponent, float(win[0]), member)
         ticks = int(self.arena.state.games.tick[0]) - tick
         acted = self.agents
         ended = {agent: over or not self._is_alive(agent) for agent in acted}
@@ -133,7 +135,8 @@ class TaskParallelEnv(ParallelEnv[str, Obs, int]):  # type: ignore[misc]  # Pett
 
     def _seats(self) -> tuple[Seat | None, Seat | None]:
         self._opponent = self.mixture.draw(self._seed, self._episode, self.encounters.urgency)
-        other = self.mixture.players[self._opponent]
+        met = self.mixture.players[self._opponent]
+        other = self._rival = self.encounters.seat(self._opponent, met, self._seed, self._episode)
         red, blue = (None if camp in self.camps else other for camp in SIDES)
         return red, blue
 

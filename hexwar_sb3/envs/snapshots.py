@@ -60,7 +60,7 @@ def check_games(
         CheckpointError: an array is broken, missing or unknown.
     """
     names = list(arena.snapshot())
-    check_names(snapshot, [*names, *slots, "met", "rates", "counters", "origin"])
+    check_names(snapshot, [*names, *slots, "met", "rates", "beaten_by", "counters", "origin"])
     for name, array in slots.items():
         check_form(name, snapshot[name], array.dtype, array.shape)
     check_form("counters", snapshot["counters"], np.int64, (2,))

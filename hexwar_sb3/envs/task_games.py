@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -34,8 +34,10 @@ from hexwar_sb3.players.player import (
     Mixture,
     Seat,
     bot_player,
+    has_played,
     make_mixture,
     make_player,
+    member_of,
     same_player,
 )
 from hexwar_sb3.rules.enums import Camp
@@ -111,7 +113,8 @@ class TaskGames:
             self.episodes[b] = episode
             self.camps[b] = self.camp_of(episode)
             self.opponents[b] = self.mixture.draw(self._seed, episode, self.encounters.urgency)
-            self.rivals[b] = self.mixture.players[self.opponents[b]]
+            met = int(self.opponents[b])
+            self.rivals[b] = self.encounters.seat(met, self.mixture.players[met], self._seed, episode)
             draw = episode_draw(self._seed, episode, _DEMO_STREAM).random()
             self.demos[b] = self.demo_bot is not None and draw < self.demo_share
             self.arena.begin(int(b), game_seed(self._seed, episode), *self._seats(int(b)))
@@ -197,9 +200,10 @@ class TaskGames:
     def _note(self, ended: Games) -> None:
         """Count games of the learner's that have ended against those whom they were played with."""
         for b, win in zip(ended, self.arena.wins(ended, self.camps[ended]), strict=True):
-            met = self.mixture.players[self.opponents[b]]
-            if same_player(self.rivals[b], met):  # else another mixture came meanwhile
-                self.encounters.note(int(self.opponents[b]), float(win))
+            opponent, rival = int(self.opponents[b]), self.rivals[b]
+            known = self.mixture.players[opponent]
+            if has_played(known, rival):  # else another mixture came meanwhile
+                self.encounters.note(opponent, float(win), member_of(known, rival))
 
     def outcome(self, b: int) -> dict[str, Any]:
         """What the last info of an episode says."""
@@ -298,7 +302,9 @@ class TaskGames:
         player, seat = self.mixture.players[opponent], drives.seat[b, camp]
         if seat != EXTERNAL:
             bot = next(name for name, spec in BOTS.items() if spec.id == seat)
-            return bot_player(bot, int(snapshot["brains"]["drawn"]["member"][b, camp]))
+            rival = bot_player(bot, int(snapshot["brains"]["drawn"]["member"][b, camp]))
+            began = isinstance(player, BotPlayer) and has_played(player, rival)
+            return replace(player, member=rival.member) if began else rival
         if isinstance(player, BotPlayer):
             raise ConfigError(
                 f"these games were saved with a policy as opponent {opponent}, this env has {player.name}:"

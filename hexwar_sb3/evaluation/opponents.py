@@ -12,7 +12,7 @@ from hexwar_sb3.maps.files import load_scenario
 from hexwar_sb3.maps.scenario import Scenario, ScenarioLike
 from hexwar_sb3.rules.enums import Camp
 
-OPPONENTS = ("MA1=6", "MA2=6", "drawn=3", "nearest", "defender", "all-main", "half-half")
+OPPONENTS = ("MA1=6", "MA2=6", "drawn=3", "drawn-plan=3", "nearest", "defender", "all-main", "half-half")
 """Scripted players of both kinds, known ones and others in each game: who learns against them holds against more."""
 LEARNED_OPPONENT = "HRL0=2"  # a trained policy beside them, for line-ups like that of "plain"
 SELF = "self"  # an opponent of a training: copies of what it was before

@@ -25,7 +25,7 @@ from hexwar_sb3.league.selection import Standing
 from hexwar_sb3.league.settings import LeagueSettings
 from hexwar_sb3.reading import check_names, read_json
 
-FORMAT = "hexwar league 3"
+FORMAT = "hexwar league 4"
 TABLE_KEYS = ("iteration", "kept", "standings", "red_win_rates")  # of an iteration's table
 NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]{0,79}")
 Generation = dict[str, list[Member]]  # by camp, the best first
@@ -36,8 +36,10 @@ class TableRow:
     """A row of an iteration's table, as its file has it."""
 
     name: str
+    score: float  # that selects
     win_rate: float
     win_rate_interval: tuple[float, float]
+    behind: float  # of the best against some rival, at most
     mean_margin: float
     parent: str | None  # none in the first iteration
 
@@ -151,9 +153,12 @@ class LeagueFolder:
             for n, row in enumerate(listed):
                 place = f"standings.{camp}[{n}]"
                 own = read_fields(TableRow, {"parent": None, **_named(row)}, path, place=place, whole=True)
-                if not 0.0 <= own["win_rate"] <= 1.0:
-                    place = f"{place}.win_rate"
-                    raise FileFormatError(path, place, found=str(own["win_rate"]), expected="a share in 0..1")
+                for share in ("score", "win_rate", "behind"):
+                    if not 0.0 <= own[share] <= 1.0:
+                        expected = "a share in 0..1"
+                        raise FileFormatError(
+                            path, f"{place}.{share}", found=str(own[share]), expected=expected
+                        )
                 rows.setdefault(camp, []).append(own)
         return rows
 

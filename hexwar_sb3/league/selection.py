@@ -1,9 +1,10 @@
-"""Who is kept: weighted win rate in a single round robin of all red against all blue models, and their rivals."""
+"""Who is kept: by a single round robin of all red against all blue models, and their rivals."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from statistics import fmean
 from typing import Any
 
 import numpy as np
@@ -13,7 +14,7 @@ from hexwar_sb3.evaluation.matches import Evaluation
 from hexwar_sb3.evaluation.tournament import Meeting, Table, play_meetings
 from hexwar_sb3.league.member import CAMPS
 
-Standing = dict[str, Any]  # name, win_rate with its interval, mean_margin
+Standing = dict[str, Any]  # name, score, win_rate with its interval, behind, mean_margin
 
 
 def play_all(
@@ -45,69 +46,50 @@ def play_all(
     return play_meetings(meetings, {**reds, **players}, {**blues, **players}, evaluation, folder, jobs=jobs)
 
 
-def weights(rates: Sequence[float], are_rivals: Sequence[bool], rivals_share: float) -> list[float]:
-    """Weights of a model's win rates: of the rivals only the one that it does worst against counts.
-
-    What a model has forgotten of one rival it cannot make up for with the others.
-
-    Args:
-        rates: against each opponent.
-        are_rivals: which of the opponents are rivals, and no models of the league.
-        rivals_share: weight of that rival; the rest is shared by the models.
-
-    Returns:
-        A weight for each opponent; they add up to 1.
-    """
-    worst = min(
-        (k for k, is_rival in enumerate(are_rivals) if is_rival), key=lambda k: rates[k], default=None
-    )
-    share = (1.0 - rivals_share) / max(1, len(rates) - sum(are_rivals))
-    found = [0.0 if is_rival else share for is_rival in are_rivals]
-    if worst is not None:
-        found[worst] = rivals_share
-    return [weight / sum(found) for weight in found]
-
-
 def standings(
-    table: Table, camp: str, rivals: Sequence[str] = (), rivals_share: float = 0.0
+    table: Table, camp: str, rivals: Sequence[str] = (), worst_share: float = 0.0
 ) -> list[Standing]:
-    """Models of a colour by their weighted win rate, the best first; equal ones by margin, then by name.
+    """Models of a colour by their score, the best first; equal ones by margin, then by name.
+
+    The score is the mean win rate against models, and for `worst_share` of it 1 less what the model is behind: by
+    how much another model of this colour does better against some rival, at most. So none can make up with the other
+    opponents for what it forgot of one, and one that is hard for all decides nothing.
 
     Args:
         table: of the round robin.
         camp: "red" or "blue".
-        rivals: players of it that are no models.
-        rivals_share: weight of the one that a model does worst against.
+        rivals: players of it that are no models; without a share they count as models do.
+        worst_share: of the score, for the rival against which a model is most behind.
 
     Returns:
-        Rows with the weighted win rate in 0..1, its Wilson interval for as many games of equal weight, and the margin
-        with the same weights, in points. The interval leaves out that the worst rival was picked by these games.
+        Rows; win rates and their Wilson intervals are against models, margins (points) against everybody.
     """
-    enemy = "blue" if camp == "red" else "red"
-    rows: dict[str, list[tuple[bool, Mapping[str, Any]]]] = {}
+    enemy, cells = "blue" if camp == "red" else "red", dict[str, dict[str, Mapping[str, Any]]]()
     for meeting, row in table.rows.items():
         if getattr(meeting, camp) not in rivals:
-            is_rival = getattr(meeting, enemy) in rivals
-            rows.setdefault(getattr(meeting, camp), []).append((is_rival, row[camp]))
-    found = []
-    for name, results in rows.items():
-        are_rivals, cells = zip(*results, strict=True)
-        shares = weights([cell["win_rate"] for cell in cells], are_rivals, rivals_share)
-        weighted = list(zip(shares, cells, strict=True))
-        rate, margin = (
-            sum(share * cell[key] for share, cell in weighted) for key in ("win_rate", "mean_margin")
-        )
-        games = 1.0 / sum(share**2 / cell["games"] for share, cell in weighted)  # as many equal ones
-        interval = wilson(rate * games, games)
-        found.append(
-            {
-                "name": name,
-                "win_rate": rate,
-                "win_rate_interval": [interval.low, interval.high],
-                "mean_margin": margin,
-            }
-        )
-    return sorted(found, key=lambda one: (-one["win_rate"], -one["mean_margin"], one["name"]))
+            cells.setdefault(getattr(meeting, camp), {})[getattr(meeting, enemy)] = row[camp]
+    apart = [rival for rival in rivals if worst_share > 0.0 and any(rival in own for own in cells.values())]
+    best = {rival: max(own[rival]["win_rate"] for own in cells.values()) for rival in apart}
+    found = [_standing(name, own, best, worst_share) for name, own in cells.items()]
+    return sorted(found, key=lambda one: (-one["score"], -one["mean_margin"], one["name"]))
+
+
+def _standing(
+    name: str, cells: Mapping[str, Mapping[str, Any]], best: Mapping[str, float], worst_share: float
+) -> Standing:
+    """Row of a model, by its cells against each opponent and the best win rates against rivals."""
+    met = [cell for opponent, cell in cells.items() if opponent not in best]
+    rate, games = fmean(cell["win_rate"] for cell in met), sum(cell["games"] for cell in met)
+    behind = max((most - cells[rival]["win_rate"] for rival, most in best.items()), default=0.0)
+    share, interval = worst_share if best else 0.0, wilson(rate * games, games)
+    return {
+        "name": name,
+        "score": (1.0 - share) * rate + share * (1.0 - behind),
+        "win_rate": rate,
+        "win_rate_interval": [interval.low, interval.high],
+        "behind": behind,
+        "mean_margin": fmean(cell["mean_margin"] for cell in cells.values()),
+    }
 
 
 def select(rows: Mapping[str, Sequence[Standing]], keep: int, *, split: bool) -> dict[str, list[str]]:
@@ -119,7 +101,7 @@ def select(rows: Mapping[str, Sequence[Standing]], keep: int, *, split: bool) ->
         split: each colour has models of its own; else the mean of both colours counts.
 
     Example:
-        >>> red = [{"name": name, "win_rate": rate, "mean_margin": 0.0} for name, rate in [("a", 0.4), ("b", 0.6)]]
+        >>> red = [{"name": name, "score": rate, "mean_margin": 0.0} for name, rate in [("a", 0.4), ("b", 0.6)]]
         >>> select({"red": red, "blue": red}, keep=4, split=True)["red"]
         ['b', 'a', 'b', 'a']
     """
@@ -128,7 +110,7 @@ def select(rows: Mapping[str, Sequence[Standing]], keep: int, *, split: bool) ->
         of = rows if not split else {camp: rows[camp]}
         scores: dict[str, list[tuple[float, float]]] = {}
         for row in (row for standing in of.values() for row in standing):
-            scores.setdefault(row["name"], []).append((row["win_rate"], row["mean_margin"]))
+            scores.setdefault(row["name"], []).append((row["score"], row["mean_margin"]))
         means = {name: tuple(np.mean(found, axis=0)) for name, found in scores.items()}
         names = sorted(means, key=lambda name: (*(-value for value in means[name]), name))
         kept[camp] = [names[k % len(names)] for k in range(keep)]

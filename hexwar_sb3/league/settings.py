@@ -76,12 +76,12 @@ class LeagueSettings:
     past_share: float = 0.05  # for the best of the iterations before; priorities double both
     opponents: tuple[str, ...] = OPPONENTS  # bots and HRL0, NAME or NAME=WEIGHT; for them the rest
     worst_share: float = (
-        0.5  # of a model's score that selects: the opponent of these that it does worst against
+        0.5  # of a model's score that selects: what it is behind the best against one of these, at most
     )
     priority: float = 1.0  # exponent by which those who beat the model are met more often
     fill_games: int = 400  # at first, from which nothing learns: they fill its replay
     refit_games: int = 100  # after them, in which the mixer alone learns
-    match_games: int = 60  # of each pairing in the round robin that selects
+    match_games: int = 100  # of each pairing in the round robin that selects
     warm_up_games: int = 200  # against each opponent, to order the first models
     scenario: str = "plain"
     seed: int = 0

@@ -159,6 +159,19 @@ def same_player(one: Seat, other: Seat) -> bool:
     return one is other or bool(one == other)
 
 
+def has_played(player: Seat, who: Seat) -> bool:
+    """Whether it was this player, or a member of this family, that played."""
+    if isinstance(player, BotPlayer) and isinstance(who, BotPlayer):
+        return player.bot == who.bot and player.member in (0, who.member)
+    return same_player(player, who)
+
+
+def member_of(player: Seat, who: Seat) -> int:
+    """Number of the member that played for a family; 0: the player is none."""
+    of_family = isinstance(player, BotPlayer) and player.member == 0
+    return who.member if of_family and isinstance(who, BotPlayer) else 0
+
+
 def given_name(player: object) -> str | None:
     """The name under which a player was given, or its folder's; None for an object."""
     return Path(player).name if isinstance(player, str | Path) else None

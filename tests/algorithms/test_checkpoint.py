@@ -100,7 +100,7 @@ def test_a_truncated_checkpoint_is_refused(make_model: MakeModel, make_env: Make
 def test_other_arrays_are_refused(make_env: MakeEnv, tmp_path: Path) -> None:
     np.savez(tmp_path / "other.npz", a=np.zeros(3))
 
-    with pytest.raises(CheckpointError, match="found None; expected hexwar checkpoint 5"):
+    with pytest.raises(CheckpointError, match="found None; expected hexwar checkpoint 6"):
         load_checkpoint(tmp_path / "other.npz", make_env())
 
 

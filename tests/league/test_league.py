@@ -8,6 +8,7 @@ import shutil
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from statistics import mean
 from typing import Any, cast
 
 import numpy as np
@@ -171,24 +172,29 @@ def test_schedules_are_of_a_groups_games(whole: League) -> None:
 
 
 @pytest.mark.parametrize("which", ["whole", "split"])
-def test_the_best_weighted_win_rate_is_kept(which: str, request: pytest.FixtureRequest) -> None:
-    """Half of it over the enemy's models, half against the bot that it does worst against."""
+def test_the_best_score_is_kept(which: str, request: pytest.FixtureRequest) -> None:
+    """Half of it the win rate over the enemy's models, half how little it is behind the best against a bot."""
     league: League = request.getfixturevalue(which)
     found = json.loads((league.iteration(2) / "table.json").read_text())
-    rates: dict[str, dict[bool, list[float]]] = {}
+    rates: dict[str, dict[str, float]] = {}
     for pair, rate in found["red_win_rates"].items():
         red, blue = pair.split()
         if red not in BOTS:
-            rates.setdefault(red, {True: [], False: []})[blue in BOTS].append(rate)
+            rates.setdefault(red, {})[blue] = rate
+    best = {bot: max(own[bot] for own in rates.values()) for bot in BOTS}
     means = {
-        name: (min(parts[True]) + sum(parts[False]) / len(parts[False])) / 2 for name, parts in rates.items()
+        name: (
+            mean([rate for blue, rate in own.items() if blue not in BOTS]),
+            max(best[bot] - own[bot] for bot in BOTS),
+        )
+        for name, own in rates.items()
     }
-    own = {
-        camp: {row["name"]: row["win_rate"] for row in found["standings"][camp]} for camp in ("red", "blue")
-    }
+    own = {camp: {row["name"]: row["score"] for row in found["standings"][camp]} for camp in ("red", "blue")}
 
     assert len(found["red_win_rates"]) == 4 * 4 + (4 + 4) * len(BOTS)
-    assert own["red"] == pytest.approx(means)
+    assert own["red"] == pytest.approx(
+        {name: (rate + 1 - behind) / 2 for name, (rate, behind) in means.items()}
+    )
     for camp in ("red", "blue"):
         both = {name: own["red"][name] + own["blue"][name] for name in own["red"]}
         scores = own[camp] if league.settings.split else both

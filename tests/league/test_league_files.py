@@ -50,7 +50,14 @@ def test_a_setting_that_cannot_be_is_refused_with_file_and_place(
         League.open(tmp_path)
 
 
-ROW = {"name": "one", "win_rate": 0.5, "win_rate_interval": [0.4, 0.6], "mean_margin": 1.0}
+ROW = {
+    "name": "one",
+    "score": 0.7,
+    "win_rate": 0.5,
+    "win_rate_interval": [0.4, 0.6],
+    "behind": 0.1,
+    "mean_margin": 1.0,
+}
 TABLE: dict[str, Any] = {
     "iteration": 1,
     "kept": {"red": ["one", "one"], "blue": ["one", "one"]},
@@ -93,6 +100,8 @@ def test_nothing_but_our_errors_comes_of_a_bad_table(league: League, bad: Any) -
         {"win_rate": 1.5},
         {"win_rate": "x"},
         {"win_rate": True},
+        {"score": -0.1},
+        {"behind": 2.0},
         {"name": 1},
         {"mean_margin": None},
         {"parent": []},

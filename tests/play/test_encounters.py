@@ -10,8 +10,8 @@ import pytest
 from hexwar_sb3.envs.parallel import parallel_env
 from hexwar_sb3.envs.registration import make_vec_env
 from hexwar_sb3.errors import CheckpointError, ConfigError
-from hexwar_sb3.play.encounters import FLOOR, Encounters
-from hexwar_sb3.players.player import make_mixture, seat_name
+from hexwar_sb3.play.encounters import FLOOR, KEPT, Encounters
+from hexwar_sb3.players.player import BotPlayer, make_mixture, make_player, member_of, seat_name
 
 
 def against(priority: float, opponent: Any, n_envs: int = 16) -> Any:
@@ -55,6 +55,40 @@ def test_the_env_meets_by_losses() -> None:
     assert np.mean(met) < np.mean(evenly) - 0.15
 
 
+def test_a_member_that_won_comes_again_until_it_loses() -> None:
+    """Its further games say nothing of how the family fares, but that they were played."""
+    counted, family = Encounters(2, priority=1.0), make_player("drawn")
+    met = [member_of(family, counted.seat(1, family, 0, episode)) for episode in range(20)]
+    assert 0 not in met
+    assert len(set(met)) == 20
+    counted.note(1, 0.0, met[0])
+    counted.note(1, 0.0, met[1])
+    counted.note(1, 1.0, met[2])
+    assert counted.beaten_by == [[], met[:2]]
+    rate = counted.rates[1]
+    again = [member_of(family, counted.seat(1, family, 1, episode)) for episode in range(200)]
+    assert 70 < sum(member in met[:2] for member in again) < 130
+    assert set(met[:2]) < set(again)
+    for win in (0.0, 0.5):
+        counted.note(1, win, met[1])
+        assert counted.rates[1] == rate
+    assert counted.beaten_by == [[], met[:1]]
+    assert counted.games.tolist() == [0, 5]
+
+
+def test_so_many_members_are_remembered() -> None:
+    counted = Encounters(1, priority=1.0)
+    for member in range(1, KEPT + 6):
+        counted.note(0, 0.0, member)
+    assert counted.beaten_by == [list(range(6, KEPT + 6))]
+
+
+@pytest.mark.parametrize(("name", "priority"), [("drawn", 0.0), ("drawn:7", 1.0), ("MA1", 1.0)])
+def test_others_play_themselves(name: str, priority: float) -> None:
+    player = make_player(name)
+    assert Encounters(1, priority).seat(0, player, 0, 0) is player
+
+
 def test_a_mixture_draws_by_urgency() -> None:
     mixture = make_mixture(["MA1", "MA2"])
     assert {mixture.draw(0, k, np.array([0.0, 1.0])) for k in range(50)} == {1}
@@ -85,6 +119,11 @@ def test_a_restored_env_meets_the_same(opponent: list[str]) -> None:
     assert env.games.encounters.games.tolist() == other.games.encounters.games.tolist()
     assert env.games.encounters.rates.tolist() == other.games.encounters.rates.tolist()
     assert [seat_name(seat) for seat in env.games.rivals] == [seat_name(seat) for seat in other.games.rivals]
+    assert [seat for seat in env.games.rivals if isinstance(seat, BotPlayer)] == [
+        seat for seat in other.games.rivals if isinstance(seat, BotPlayer)
+    ]
+    assert env.games.encounters.beaten_by == other.games.encounters.beaten_by
+    assert any(env.games.encounters.beaten_by) == ("drawn" in opponent)
     assert env.games.opponents.tolist() == other.games.opponents.tolist()
 
 
@@ -98,6 +137,8 @@ def test_a_restored_env_meets_the_same(opponent: list[str]) -> None:
         ("rates", np.array([np.nan, 0.5])),
         ("rates", np.array([0.5, 1.5])),
         ("rates", np.array([0.5])),
+        ("beaten_by", np.zeros((2, 3), np.uint32)),
+        ("beaten_by", np.zeros((2, KEPT))),
     ],
 )
 def test_broken_counts_are_refused(name: str, value: Any) -> None:
