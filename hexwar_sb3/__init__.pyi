@@ -4,7 +4,7 @@ from .algorithms.masked_dqn import MaskedDQN as MaskedDQN
 from .algorithms.masked_dqn import MaskedQRDQN as MaskedQRDQN
 from .algorithms.qmix import QMIX as QMIX
 from .engine.batch import Engine as Engine
-from .engine.game import Game as Game
+from .play.game import Game as Game
 from .engine.game import IllegalOrderWarning as IllegalOrderWarning
 from .engine.orders import Decompress as Decompress
 from .engine.orders import GetOff as GetOff

@@ -60,12 +60,12 @@ class Recorder:
     def before_step(self, state: State, b: int, given: dict[int, Order] | None = None) -> None:
         """Look at game b before a step is made: the states until now, and the orders.
 
-        given: the orders as they were written, by piece; else they are read from the records.
+        given: orders as they were written, by piece; others are read from the records.
         """
         game, pieces, memory, _, _, orders, _ = state.game(b)
         self.note_states(state, b, int(game.tick))
         ordered = [i for i in range(orders.size) if orders[i].kind != Action.NULL]
-        self._given = given if given is not None else self._read(ordered, orders, pieces)
+        self._given = self._read(ordered, orders, pieces) | (given or {})
         clock = game.copy()
         self._advisors = [Advisor(camp, clock, pieces, memory, self.world) for camp in SIDES if ordered]
         self._orders = orders.copy()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from copy import copy
 from dataclasses import fields
 from typing import Any, cast
 
@@ -23,7 +24,7 @@ from hexwar_sb3.kernels import Rows, kernel
 from hexwar_sb3.play.demos import name_missions, name_moves
 from hexwar_sb3.play.drive import advance_until_decision
 from hexwar_sb3.play.lower import HEURISTIC, KEPT, tell_pieces
-from hexwar_sb3.play.records import DRIVE, EXTERNAL
+from hexwar_sb3.play.records import BY_HAND, DRIVE, EXTERNAL
 from hexwar_sb3.play.sight import Sight, choose_batch, look_batch, observe_routes
 from hexwar_sb3.play.sound import check_play
 from hexwar_sb3.players.fit import check_actions, check_fit, check_tasks
@@ -86,6 +87,14 @@ class Arena:
         self.__dict__.update(state)
         self.atlas = make_atlas(self.world)
 
+    def twin(self, state: State) -> Arena:
+        """An independent arena at the same point of its games, which go on in a copy of their state."""
+        other = copy(self)
+        other.state, other.missions = state, self.missions.copy()
+        other.brains, other.drives = self.brains.copy(), self.drives.copy()
+        other._sights, other.chosen = {}, {}  # noqa: SLF001 - of the same class
+        return other
+
     def begin(self, b: int, seed: int, red: Seat | None, blue: Seat | None) -> None:
         """Put game b back to tick 0 with a seed for its dice, and seat its two players."""
         self.state.copy_from(self._start, b, 0)
@@ -112,6 +121,12 @@ class Arena:
         self.drives[b].asked[camp] = self.drives[b].due[camp] = not bot
         self.players[b][camp] = None if isinstance(seat, BotPlayer) else seat
         self.set_lower(b, camp, getattr(seat, "lower", HEURISTIC_LOWER))
+
+    def leave(self, b: int, camp: int) -> None:
+        """Let a camp without a player: whoever writes its orders gives them all, and it has no tasks."""
+        self.sit(b, camp, None)
+        self.drives[b].seat[camp] = BY_HAND
+        self.drives[b].asked[camp] = self.drives[b].due[camp] = 0
 
     def set_lower(self, b: int, camp: int, lower: Lower) -> None:
         """Say who answers for a camp's pieces on their way: "heuristic", a network, or any callable."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from copy import copy
 from typing import Any
 
 import numpy as np
@@ -36,6 +37,13 @@ class DecisionLog:
         self._given = self._missions()
         self._worth = self._all_worth()
         self._asked: dict[int, list[Choice]] = {}
+
+    def twin(self, arena: Arena) -> DecisionLog:
+        """A log that goes on from here by itself, in the twin of the arena."""
+        other = copy(self)
+        other.arena = arena
+        other._worth, other._asked = dict(self._worth), dict(self._asked)  # noqa: SLF001 - of the same class
+        return other
 
     def ask(self) -> None:
         """Let the players whose turn it is decide, and keep what they chose from."""

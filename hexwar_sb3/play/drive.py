@@ -15,7 +15,7 @@ from hexwar_sb3.kernels import Rows, kernel
 from hexwar_sb3.maps.cells import Cells, Sightlines, TravelTimes
 from hexwar_sb3.play.fingerprint import has_news
 from hexwar_sb3.play.lower import HEURISTIC, answer_pieces
-from hexwar_sb3.play.records import EARLY_TICKS, EXTERNAL, JUMPED, STEPS, WAITS, DriveRecord
+from hexwar_sb3.play.records import BY_HAND, EARLY_TICKS, EXTERNAL, JUMPED, STEPS, WAITS, DriveRecord
 from hexwar_sb3.rules.compiled import RulesRecord
 from hexwar_sb3.rules.enums import Action, Camp
 from hexwar_sb3.rules.indices import CampIndex, camp_range, piece_range
@@ -74,6 +74,8 @@ def act(
         False if a piece waits for an answer from outside: the loop stops, and comes back to this very state.
     """
     for camp in camp_range(2):
+        if drive.seat[camp] == BY_HAND:
+            continue
         stepped = game.tick == drive.stepped_at
         news = stepped and has_news(camp, drive, game, pieces, memory, rounds)
         if not news and not drive.fresh[camp] and game.tick < drive.wake_at[camp]:

@@ -13,6 +13,7 @@ from hexwar_sb3.rules.indices import CampIndex, PieceIndex
 EARLY_TICKS = 15  # least time between a decision and an early one
 LAST_BOT = max(Bot)
 EXTERNAL = 255  # seat: somebody outside the loop picks this camp's tasks; else a bot's id
+BY_HAND = 254  # seat: somebody outside the loop gives this camp's orders themselves, and the loop none
 
 WAITS, JUMPED, STEPS = (
     0,
