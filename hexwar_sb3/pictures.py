@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
+from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import Colormap, to_rgb
@@ -20,6 +21,8 @@ CAMPS = {"red": "#c0392b", "blue": "#1f4e9c"}
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#7a5195", "#444444")
 """Colours of lines (Okabe and Ito, and two more), the first for what a picture is about."""
 DPI = 110
+_ABOUT = {".pdf": "Subject"}  # what a kind of file calls it
+_DATES = {".svg": ("Date",), ".pdf": ("CreationDate",)}
 
 
 def new_figure(width: float, height: float) -> Figure:
@@ -29,10 +32,15 @@ def new_figure(width: float, height: float) -> Figure:
     return figure
 
 
-def write_figure(figure: Figure, path: Path) -> None:
-    """Write a figure, whole or not at all; its kind is that of the suffix."""
-    with replacing(path) as temporary:
-        figure.savefig(temporary, dpi=DPI)
+def write_figure(figure: Figure, path: Path, title: str = "", about: str = "") -> None:
+    """Write a figure, whole or not at all; its kind is that of the suffix.
+
+    The file says its title and what it is about, and not when it was made: the same figure gives the same bytes.
+    """
+    said = {"Title": title, _ABOUT.get(path.suffix, "Description"): about}
+    dates = dict.fromkeys(_DATES.get(path.suffix, ()))
+    with replacing(path) as temporary, rc_context({"svg.hashsalt": "hexwar"}):
+        figure.savefig(temporary, dpi=DPI, metadata={**{k: v for k, v in said.items() if v}, **dates})
 
 
 def dress(axes: Axes, title: str = "", **labels: Any) -> None:

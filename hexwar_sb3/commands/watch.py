@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import tyro
 
+from hexwar_sb3.commands.exports import Wish, write_export
 from hexwar_sb3.commands.output import print_json
 from hexwar_sb3.commands.settings import Json
-from hexwar_sb3.errors import ConfigError
 
 if TYPE_CHECKING:
     from hexwar_sb3.engine.replay import Replay
@@ -21,13 +21,15 @@ Output = Annotated[
     Path | None,
     tyro.conf.arg(
         aliases=("-o",),
-        help="a page to watch the game in (html), a film of a part (gif), or a picture of all of it (png, svg, pdf)",
+        help="a page to watch the game in (html), a film of a part (gif), a picture of all of it or of one moment"
+        " (png, svg, pdf), a camp's own record (hwr), or its events as a table (csv)",
     ),
 ]
 View = Annotated[
     Literal["all", "referee", "red", "blue"],
-    tyro.conf.arg(help="whose eyes page and film have; a camp's have nothing that it did not know"),
+    tyro.conf.arg(help="whose eyes the file has; a camp's has nothing that it did not know"),
 ]
+At = Annotated[int | None, tyro.conf.arg(help="tick of the moment that is drawn")]
 Start = Annotated[int, tyro.conf.arg(name="from", help="first tick of a film")]
 Until = Annotated[int | None, tyro.conf.arg(name="to", help="last tick of a film; else the end of the game")]
 
@@ -40,6 +42,7 @@ class Watch:
     verify: bool = False  # play the game again from its orders and compare every state
     output: Output = None
     view: View = "all"
+    at: At = None
     start: Start = 0
     until: Until = None
     json: Json = False
@@ -48,11 +51,13 @@ class Watch:
         """Print what happened, and write what was asked for."""
         from hexwar_sb3.engine.replay import Replay
 
+        wish = Wish(path=self.output, view=self.view, at=self.at, start=self.start, until=self.until)
         replay = Replay.load(self.file)
         if self.verify:
             replay.verify()
-        if self.output is not None:
-            self._write(replay, self.output)
+        written = write_export(replay, wish)
+        if written:
+            print(f"{written}: {self.output}", file=sys.stderr)
         if self.json:
             print_json({"file": str(self.file), "verified": self.verify, **figures(replay)})
         else:
@@ -60,27 +65,6 @@ class Watch:
             if self.verify:
                 print("verified: played again, every state is the same")
         return 0
-
-    def _write(self, replay: Replay, path: Path) -> None:
-        if path.suffix == ".html":
-            from hexwar_sb3.viewer import save_page
-
-            save_page(replay, path, self.view)
-            print(f"page: {path}", file=sys.stderr)
-        elif path.suffix == ".gif":
-            from hexwar_sb3.viewer import save_gif
-
-            save_gif(replay, path, self.start, self.until, "referee" if self.view == "all" else self.view)
-            print(f"film: {path}", file=sys.stderr)
-        else:
-            from hexwar_sb3.engine.picture import save_game_picture
-
-            if self.view != "all":
-                raise ConfigError(
-                    f"--view {self.view}: only a page or a film has views; name an .html or .gif file"
-                )
-            save_game_picture(replay, path)
-            print(f"picture: {path}", file=sys.stderr)
 
 
 def figures(replay: Replay) -> dict[str, Any]:

@@ -17,7 +17,7 @@ from hexwar_sb3.engine.record import Line
 from hexwar_sb3.engine.replay import Replay
 from hexwar_sb3.errors import ConfigError, ReplayFileError
 from hexwar_sb3.maps.hexmap import HexMap
-from hexwar_sb3.maps.picture import centres, draw_map, draw_scenario
+from hexwar_sb3.maps.picture import centres, draw_map, draw_scenario, map_inches
 from hexwar_sb3.pictures import CAMPS, INK, dress, new_figure, write_figure
 
 PICTURES = (".png", ".svg", ".pdf")
@@ -25,13 +25,9 @@ _SHOTS = frozenset({"shot", "guided", "close_shot", "exit_shot"})
 _ROUNDS = frozenset({"mortar_landed"})
 _PLATE = {"boxstyle": "round,pad=0.15", "fc": "#ffffffcc", "ec": "none"}  # behind a text
 _FLIGHT, _SHOT = (0, (1, 1.5)), (0, (6, 2))  # dots and dashes
-_GROUND = 4.9  # zorder below which the map is drawn as points, not as thousands of polygons
+GROUND = 4.9  # zorder below which the map is drawn as points, not as thousands of polygons
 _SPREAD = 0.22  # cells between the paths of two pieces that walk the same way
-_CELL, _LEAST, _MOST = (
-    0.165,
-    7.0,
-    14.0,
-)  # inches: width of a cell; the longer side of the map, at least and at most
+_NAME = 40  # characters of a name
 _TITLE, _LEGEND, _SCORES, _NARROWEST, _ENTRY = 0.6, 0.7, 2.0, 7.0, 1.55  # inches of the other parts
 
 
@@ -69,36 +65,39 @@ def save_game_picture(replay: Replay, path: str | Path) -> None:
     Raises:
         ConfigError: another suffix.
     """
-    if Path(path).suffix not in PICTURES:
+    check_picture_name(Path(path))
+    write_figure(game_picture(replay), Path(path), _title(replay), _origin(replay))
+
+
+def check_picture_name(path: Path) -> None:
+    """Check that a name ends like a picture's.
+
+    Raises:
+        ConfigError: it does not.
+    """
+    if path.suffix not in PICTURES:
         raise ConfigError(f"{path}: a picture's name must end in one of {', '.join(PICTURES)}")
-    write_figure(game_picture(replay), Path(path))
 
 
 def game_picture(replay: Replay) -> Figure:
     """The map with all that happened on it, above the margins of both camps; as wide or as high as the map is."""
     scenario, story = replay.scenario(), tell(replay)
-    width, height = _inches(scenario.hexmap)
+    width, height = map_inches(scenario.hexmap)
+    width = max(width, _NARROWEST)
     figure = new_figure(width, _TITLE + height + _LEGEND + _SCORES)
     ratios = [height, _LEGEND, _SCORES]
     above, between, below = figure.subplots(3, 1, height_ratios=ratios)
     draw_map(above, scenario.hexmap)
-    above.set_rasterization_zorder(_GROUND)
+    above.margins(0.01)
+    above.set_rasterization_zorder(GROUND)
     draw_scenario(above, scenario)
     _draw_paths(above, scenario.hexmap, story)
     _draw_shots(above, scenario.hexmap, story)
     _draw_marks(above, scenario.hexmap, story)
     _draw_legend(between, columns=max(2, int(width // _ENTRY)))
     _draw_scores(below, replay, story)
-    figure.suptitle(_title(replay), fontsize=12, color=INK)
+    figure.suptitle(f"{_title(replay)}; {_origin(replay)}", fontsize=12, color=INK, parse_math=False)
     return figure
-
-
-def _inches(hexmap: HexMap) -> tuple[float, float]:
-    """Width and height of the map on the page: cells are equally large on all maps, as far as the page allows."""
-    cells = np.array([hexmap.width, hexmap.height * np.sqrt(3) / 2])
-    cell = np.clip(_CELL, _LEAST / cells.max(), _MOST / cells.max())
-    width, height = cells * cell
-    return max(float(width), _NARROWEST), float(height)
 
 
 def tell(replay: Replay) -> Story:
@@ -207,8 +206,13 @@ def _draw_scores(axes: Axes, replay: Replay, story: Story) -> None:
 
 def _title(replay: Replay) -> str:
     players, end = replay.head.get("players", {}), replay.end
-    names = " against ".join(f"{players.get(c, {}).get('name', '?')} ({c})" for c in CAMPS)
+    names = " against ".join(f"{players.get(c, {}).get('name', '?')[:_NAME]} ({c})" for c in CAMPS)
     results = {"red": "red wins", "blue": "blue wins", "draw": "a draw"}
     result = results.get(end["winner"], f"at tick {end['tick']}")
     final = ", ".join(f"{camp} {value:+d}" for camp, value in end["margin"].items())
-    return f"{replay.head['scenario']['name']}: {names}\n{result}; margin {final}"
+    return f"{replay.head['scenario']['name'][:_NAME]}: {names}\n{result}; margin {final}"
+
+
+def _origin(replay: Replay) -> str:
+    """What else makes it this game and no other."""
+    return f"rules {replay.head['rules']['version']}, seed {replay.seed}"

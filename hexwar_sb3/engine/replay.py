@@ -40,7 +40,7 @@ FORMAT_VERSION = 2  # 1 has no lines of what was decided and known
 MAX_SEED = 2**64 - 1
 MOST_WORD, MOST_COMMAND = 80, 1_000  # characters
 _HEAD = ("type", "format", "version", "rules", "scenario")
-_OPEN = ("type", "format", "version", "players", "created")  # of the head, in a camp's own record
+_OPEN = ("type", "format", "version", "players")  # of the head, in a camp's own record
 _PLAYED = frozenset({"orders", "edit", "state"})
 _NAMES = ("piece", "target", "shooter")  # of pieces, in an event
 
@@ -363,7 +363,11 @@ class Replay:
     # --- one camp's own file ---------------------------------------------------------------------
 
     def for_camp(self, camp: str) -> Replay:
-        """What one camp may see of it: no seed, hashes, enemy orders, true score or final margin."""
+        """What one camp may see of it: no seed, hashes, enemy orders, true score, final margin or date.
+
+        Games that differ only in what the camp did not see have equal records. The scenario is known to both camps, and with
+        it where all pieces began.
+        """
         head: Line = {key: self.head[key] for key in _OPEN if key in self.head}
         players = self.head.get("players", {}).items()
         head["players"] = {side: {k: v for k, v in player.items() if k != "hash"} for side, player in players}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from typing import Any, TypeAlias
 
@@ -34,8 +35,10 @@ _INK, _NOBODYS = "#33302b", "#f4c430"
 _CORNER = np.deg2rad(np.array([90, 30, -30, -90, -150, 150]))  # N, NE, SE, S, SW, NW corner
 _SIDE = {W: (4, 5), SW: (3, 4), SE: (2, 3), E: (1, 2), NE: (0, 1), NW: (5, 0)}  # its two corners
 _PLATE = {"boxstyle": "round,pad=0.2", "fc": "#ffffffcc", "ec": "none"}  # behind a text
-_INCHES = 0.165  # width of a cell
-_MARGIN = 1.3  # cells between the map and the numbers around it
+_CELL = 0.165  # inches, width
+_LEAST, _MOST = 7.0, 14.0  # inches of the longer side of a map
+_BAR, _TITLE, _ROW, _ENTRY, _NARROWEST = 1.0, 0.75, 0.25, 1.75, 3.8  # inches of the other parts of a page
+_MARGIN = 1.3  # cells of the usual width between the map and the numbers around it
 _LABEL_STEP = 10  # cells between two printed names
 _LEAST_SPAN_M = 120  # of altitudes that the colours show
 _EDGE_STEP = 5  # columns and rows between two numbers along the edge
@@ -43,18 +46,29 @@ _EDGE_STEP = 5  # columns and rows between two numbers along the edge
 
 def map_picture(hexmap: HexMap, scenario: Scenario | None = None) -> Figure:
     """A map, with the control points and starts of a scenario on it."""
-    width, height = hexmap.width * _INCHES, hexmap.height * _INCHES * np.sqrt(3) / 2
-    figure = Figure(figsize=(max(width, 5) + 1, height + 1), layout="constrained")
+    wide, height = map_inches(hexmap)
+    width = max(wide, _NARROWEST)
+    entries = _legend_entries()
+    rows = math.ceil(len(entries) * _ENTRY / width)
+    columns = math.ceil(len(entries) / rows)
+    figure = Figure(figsize=(width + _BAR, _TITLE + height + rows * _ROW), layout="constrained")
     axes = figure.add_subplot()
     draw_map(axes, hexmap)
-    _draw_names(axes, hexmap)
+    _draw_names(axes, hexmap, aside=_MARGIN * _CELL * hexmap.width / wide)
     if scenario is not None:
         draw_scenario(axes, scenario)
-    _draw_legend(axes)
+    figure.legend(handles=entries, loc="outside lower center", ncols=columns, frameon=False, fontsize=9)
     scale = ScalarMappable(_altitudes(hexmap), ALTITUDE)
     figure.colorbar(scale, ax=axes, label="altitude, m", shrink=0.6, pad=0.01)
-    axes.set_title(f"{hexmap.name} ({int(hexmap.playable.sum()):,} cells)", fontsize=13)
+    figure.suptitle(f"{hexmap.name} ({int(hexmap.playable.sum()):,} cells)", fontsize=13, parse_math=False)
     return figure
+
+
+def map_inches(hexmap: HexMap) -> tuple[float, float]:
+    """Width and height of a map on a page: cells are equally large on all maps, as far as the page allows."""
+    cells = np.array([hexmap.width, hexmap.height * np.sqrt(3) / 2])
+    width, height = cells * np.clip(_CELL, _LEAST / cells.max(), _MOST / cells.max())
+    return float(width), float(height)
 
 
 def centres(hexmap: HexMap) -> Field:
@@ -197,8 +211,8 @@ def _side_lines(hexmap: HexMap, sides: Ints) -> list[Field]:
     return [corners[a][list(_SIDE[d])] for a, _, d in sides.tolist()]
 
 
-def _draw_names(axes: Axes, hexmap: HexMap) -> None:
-    """Every tenth cell's name, and every fifth column and row along the edges."""
+def _draw_names(axes: Axes, hexmap: HexMap, aside: float) -> None:
+    """Every tenth cell's name, and every fifth column and row along the edges, so many cells aside."""
     where = centres(hexmap).reshape(hexmap.height, hexmap.width, 2)
     halo = [withStroke(linewidth=1.6, foreground="#ffffffb0")]
     for y in range(_LABEL_STEP - 1, hexmap.height, _LABEL_STEP):
@@ -206,38 +220,24 @@ def _draw_names(axes: Axes, hexmap: HexMap) -> None:
             name = hexmap.cell_name(y * hexmap.width + x)
             _write(axes, where[y, x], name, fontsize=5.5, path_effects=halo)
     for x in range(_EDGE_STEP - 1, hexmap.width, _EDGE_STEP):
-        for place in (where[0, x] + (0, _MARGIN), where[-1, x] - (0, _MARGIN)):
+        for place in (where[0, x] + (0, aside), where[-1, x] - (0, aside)):
             _write(axes, place, f"{x + 1:02d}", fontsize=7)
     for y in range(_EDGE_STEP - 1, hexmap.height, _EDGE_STEP):
-        for place in (where[y, 0] - (_MARGIN, 0), where[y, -1] + (_MARGIN, 0)):
+        for place in (where[y, 0] - (aside, 0), where[y, -1] + (aside, 0)):
             _write(axes, place, f"{y + 1:02d}", fontsize=7)
 
 
 def _write(axes: Axes, place: Sequence[float] | Field, text: str, **style: Any) -> None:
-    usual: dict[str, Any] = {"ha": "center", "va": "center", "color": _INK, "zorder": 7}
+    usual: dict[str, Any] = {"ha": "center", "va": "center", "color": _INK, "zorder": 7, "parse_math": False}
     axes.text(float(place[0]), float(place[1]), text, **(usual | style))
 
 
-def _draw_legend(axes: Axes) -> None:
-    handles: list[Patch | Line2D] = [
+def _legend_entries() -> list[Patch | Line2D]:
+    edge = [withStroke(linewidth=4, foreground=_INK)]
+    return [
         Patch(color=FOREST, label="concealed"),
         Patch(color=MARSH, label="slushy"),
         Patch(color=LAKE, label="impassable"),
-        Line2D(
-            [],
-            [],
-            color=ROAD,
-            linewidth=2,
-            label="paved",
-            path_effects=[withStroke(linewidth=4, foreground=_INK)],
-        ),
+        Line2D([], [], color=ROAD, linewidth=2, label="paved", path_effects=edge),
         Line2D([], [], color="#5a3a22", linewidth=2, label="too steep for vehicles"),
     ]
-    axes.legend(
-        handles=handles,
-        loc="upper center",
-        bbox_to_anchor=(0.5, 0.0),
-        ncols=len(handles),
-        frameon=False,
-        fontsize=9,
-    )

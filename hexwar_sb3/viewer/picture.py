@@ -3,95 +3,94 @@
 from __future__ import annotations
 
 from io import BytesIO
-from typing import NamedTuple
 
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
 from hexwar_sb3.engine.game import Game
-from hexwar_sb3.engine.roster import SIDES, camp_name
-from hexwar_sb3.engine.view import SideView
 from hexwar_sb3.maps.hexmap import HexMap
+from hexwar_sb3.viewer.scene import Scene, Token, fanned, scene_of
+from hexwar_sb3.viewer.story import NAME_CHARACTERS
 
 MAX_BYTES = 40_000
 COLOURS = 64
-_CELL = 10.0  # width, in dots
+CELL = 10.0  # width, in dots
+_RADIUS = 9  # of a piece
 _GROUND = ("#dfe5cf", "#d6dcc0", "#cdd0b0", "#c2c1a0", "#b5ae90", "#a89c82")  # from low to high
 _FOREST, _MARSH, _LAKE, _ROAD = "#9dba8f", "#b4d0c6", "#9fc3de", "#f6efdc"
 CAMP_COLOUR = {"red": "#c8321f", "blue": "#1f5fbf", "green": "#8a8f86"}
 INK, RIM = "#22262b", "#ffffff"
 
 
-class Token(NamedTuple):
-    """A piece on the picture."""
-
-    camp: str
-    cell: str
-    letter: str
-
-
 def picture_of(game: Game, camp: str | None = None) -> bytes:
     """PNG of the map with the pieces of a game as it stands, all of them or those that a camp knows."""
-    return _small_png(draw_game(ground(game.world.scenario.hexmap), game, camp))
+    map_image = ground(game.world.scenario.hexmap)
+    return _small_png(draw_scene(map_image, scene_of(game, camp), game.world.scenario.hexmap))
 
 
-def draw_game(map_image: Image.Image, game: Game, camp: str | None = None) -> Image.Image:
-    """A copy of the map's picture with points and pieces on it."""
-    views = [game.view(name) for name in map(camp_name, SIDES) if camp in (None, name)]
-    hexmap, image = game.world.scenario.hexmap, map_image.copy()
+def draw_scene(map_image: Image.Image, scene: Scene, hexmap: HexMap, cell: float = CELL) -> Image.Image:
+    """A copy of the map's picture, of cells so many dots wide, with fire, points and pieces on it."""
+    image = map_image.copy()
     pen = ImageDraw.Draw(image)
-    for point in views[0].points:
-        text = f"{point.name} {point.value}"
-        _draw_point(pen, place_of(hexmap.parse_cell(point.cell), hexmap), point.owner, text)
-    for view in views:
-        for token in _tokens(view, with_enemies=camp is not None):
-            _draw_token(pen, place_of(hexmap.parse_cell(token.cell), hexmap), token)
+    for point in scene.points:
+        text = f"{point.name[:NAME_CHARACTERS]} {point.value}"
+        _draw_point(pen, place_of(hexmap.parse_cell(point.cell), hexmap, cell), point.owner, text)
+    for shot in scene.shots:
+        line = (place_of(shot.start, hexmap, cell), place_of(shot.end, hexmap, cell))
+        pen.line(line, fill=CAMP_COLOUR[shot.camp], width=4 if shot.with_loss else 1)
+    for death in scene.deaths:
+        _draw_cross(pen, place_of(death.cell, hexmap, cell), CAMP_COLOUR[death.camp])
+    for token, aside in fanned(scene.tokens):
+        x, y = place_of(token.cell, hexmap, cell)
+        _draw_token(pen, (x + 2 * _RADIUS * aside, y), token)
     return image
 
 
-def _tokens(view: SideView, *, with_enemies: bool) -> list[Token]:
-    own = [piece for piece in view.own if piece.alive and piece.aboard is None]
-    tokens = [Token(view.camp, piece.cell, piece.kind[0].upper()) for piece in own]
-    seen = view.seen if with_enemies else ()
-    return tokens + [Token(one.name.split(":")[0], one.cell, one.kind[0].upper()) for one in seen]
-
-
-def place_of(cell: int, hexmap: HexMap) -> tuple[float, float]:
-    """Centre of a cell, in dots."""
+def place_of(cell: int, hexmap: HexMap, wide: float = CELL) -> tuple[float, float]:
+    """Centre of a cell, in dots; cells are so many dots wide."""
     y, x = divmod(cell, hexmap.width)
-    return (x + 0.5 + (y & 1) / 2) * _CELL, (y + 2 / 3) * _CELL * np.sqrt(3) / 2
+    return (x + 0.5 + (y & 1) / 2) * wide, (y + 2 / 3) * wide * np.sqrt(3) / 2
 
 
-def ground(hexmap: HexMap) -> Image.Image:
-    """The map alone."""
-    size = int(hexmap.width * _CELL), int((hexmap.height + 1 / 3) * _CELL * np.sqrt(3) / 2) + 1
+def ground(hexmap: HexMap, cell: float = CELL) -> Image.Image:
+    """The map alone, of cells so many dots wide."""
+    size = int(hexmap.width * cell), int((hexmap.height + 1 / 3) * cell * np.sqrt(3) / 2) + 1
     image = Image.new("RGB", size, RIM)
     pen = ImageDraw.Draw(image)
     step = max(1, int(hexmap.elev_m.max())) / (len(_GROUND) - 1)
-    for cell in map(int, np.flatnonzero(hexmap.playable)):
-        x, y = place_of(cell, hexmap)
-        colour = _GROUND[round(int(hexmap.elev_m.flat[cell]) / step)]
+    for number in map(int, np.flatnonzero(hexmap.playable)):
+        x, y = place_of(number, hexmap, cell)
+        colour = _GROUND[round(int(hexmap.elev_m.flat[number]) / step)]
         for layer, other in ((hexmap.slushy, _MARSH), (hexmap.concealed, _FOREST), (hexmap.paved, _ROAD)):
-            colour = other if layer.flat[cell] else colour
-        colour = colour if hexmap.passable.flat[cell] else _LAKE
-        pen.regular_polygon((x, y, _CELL / np.sqrt(3) + 0.6), 6, rotation=0, fill=colour)
+            colour = other if layer.flat[number] else colour
+        colour = colour if hexmap.passable.flat[number] else _LAKE
+        pen.regular_polygon((x, y, 1.08 * cell / np.sqrt(3) + 0.6), 6, rotation=0, fill=colour)
     return image
 
 
 def _draw_point(pen: ImageDraw.ImageDraw, place: tuple[float, float], owner: str, text: str) -> None:
     x, y = place
     pen.regular_polygon((x, y, 9), 4, rotation=45, fill=CAMP_COLOUR[owner], outline=RIM)
-    pen.text((x, y - 16), text, INK, ImageFont.load_default(13), anchor="mm", stroke_width=2, stroke_fill=RIM)
+    pen.text((x, y - 18), text, INK, ImageFont.load_default(13), anchor="mm", stroke_width=2, stroke_fill=RIM)
+
+
+def _draw_cross(pen: ImageDraw.ImageDraw, place: tuple[float, float], colour: str) -> None:
+    x, y = place
+    for fill, width in ((RIM, 6), (colour, 3)):
+        pen.line((x - 6, y - 6, x + 6, y + 6), fill, width)
+        pen.line((x - 6, y + 6, x + 6, y - 6), fill, width)
 
 
 def _draw_token(pen: ImageDraw.ImageDraw, place: tuple[float, float], token: Token) -> None:
+    """A camp has its shape; a ghost is hollow."""
     x, y = place
-    box = (x - 8, y - 8, x + 8, y + 8)
+    box, colour = (x - _RADIUS, y - _RADIUS, x + _RADIUS, y + _RADIUS), CAMP_COLOUR[token.camp]
+    fill, line = (RIM, colour) if token.is_ghost else (colour, RIM)
     if token.camp == "red":
-        pen.rounded_rectangle(box, 3, CAMP_COLOUR["red"], RIM, 2)
+        pen.rounded_rectangle(box, 3, fill, line, 2)
     else:
-        pen.ellipse(box, CAMP_COLOUR["blue"], RIM, 2)
-    pen.text((x, y), token.letter, RIM, ImageFont.load_default(12), anchor="mm")
+        pen.ellipse(box, fill, line, 2)
+    pen.text(place, token.text, line, ImageFont.load_default(11), anchor="mm")
 
 
 def with_few_colours(image: Image.Image, palette: Image.Image | None = None) -> Image.Image:

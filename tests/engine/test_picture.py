@@ -10,7 +10,7 @@ from hexwar_sb3.engine.game import Game
 from hexwar_sb3.engine.margins import margins
 from hexwar_sb3.engine.orders import IndirectShoot, Move, Occupy, Shoot
 from hexwar_sb3.engine.picture import game_picture, save_game_picture, tell
-from hexwar_sb3.engine.replay import Replay
+from hexwar_sb3.engine.replay import PlayerName, Replay
 
 
 @pytest.fixture(scope="module")
@@ -47,11 +47,19 @@ def test_the_picture_shows_the_map_and_the_scores(replay: Replay, tmp_path: Path
     _, _, below = figure.axes
     assert (
         figure.get_suptitle()
-        == "board: unknown (red) against unknown (blue)\nat tick 952; margin red +131, blue -131"
+        == "board: unknown (red) against unknown (blue)\nat tick 952; margin red +131, blue -131; rules 1.0, seed 3"
     )
     assert below.get_ylabel() == "points"
     save_game_picture(replay, tmp_path / "game.png")
     assert (tmp_path / "game.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_a_name_is_text_and_no_formula(tmp_path: Path) -> None:
+    named = Replay.of(Game("plain", seed=0), PlayerName(name="$\\frac{$"), PlayerName(name="x" * 90))
+
+    save_game_picture(named, tmp_path / "game.svg")
+
+    assert f"{'x' * 40} (blue)\n" in game_picture(named).get_suptitle()
 
 
 def test_a_point_that_two_pieces_take_at_once_has_its_tick_once() -> None:

@@ -143,6 +143,8 @@ def pictures_are_alike(one: str, other: str) -> bool:
 
 def _with_few_colours(code: str) -> str:
     """A picture in a third of its bytes; the octree keeps rare colours, as those of thin lines."""
+    if _picture(code).mode == "P":
+        return code  # it has few already
     few = _picture(code).convert("RGB").quantize(COLOURS, Image.Quantize.FASTOCTREE, dither=Image.Dither.NONE)
     few.save(file := io.BytesIO(), "PNG", optimize=True)
     return base64.b64encode(file.getvalue()).decode()

@@ -51,8 +51,8 @@ from hexwar_sb3.rules.tables import AEROCRAFT
 from hexwar_sb3.tasks import spots_file
 from hexwar_sb3.tasks.spots import load_spots
 from hexwar_sb3.tasks.spots_file import CampSpots, read_spots
+from hexwar_sb3.viewer import events, picture, save_events, stories, story
 from hexwar_sb3.viewer import page as viewer_page
-from hexwar_sb3.viewer import picture, stories, story
 from hexwar_sb3.viewer.decisions import told_decisions, told_rewards
 
 ROOT = Path(__file__).parents[2]
@@ -229,6 +229,16 @@ def test_the_page_on_stories_has_every_field_of_them(told: dict[str, Any]) -> No
         rows("story", "Fields of a piece", "piece")
     )
     assert set(rows("story", "The luck of a shot", "luck")) == shot
+
+
+def test_the_table_of_events_is_that_of_the_replay(folder: Path) -> None:
+    replay_file.write_lines(folder / "two_tanks.hwr", list(replay_examples()))
+    save_events(hx.Replay.load("two_tanks.hwr"), "events.csv")
+
+    assert (folder / "events.csv").read_text(encoding="utf-8") == f"{example('events')}\n"
+    columns = rows("events", "Columns", "column")
+    assert tuple(columns) == events.COLUMNS
+    assert {name for name, row in columns.items() if row["in"] == "referee"} == events.SECRET
 
 
 def test_the_policy_is_made_and_loads(folder: Path) -> None:
@@ -498,6 +508,7 @@ LIMITS: dict[str, tuple[int, ...]] = {
     "policy": (policy_files.MAX_CONFIG_BYTES, policy_files.MAX_WEIGHTS_BYTES, policy_files.MAX_SIZE),
     "preset": (reading.MAX_JSON_BYTES, preset_file.MOST_WHOLE),
     "league": (reading.MAX_JSON_BYTES, MOST_BYTES),
+    "events": (story.NAME_CHARACTERS,),
     "story": (*(viewer_page.MAX_PAGE_BYTES, picture.MAX_BYTES, story.NAME_CHARACTERS, story.FORMAT_VERSION),),
 }
 

@@ -25,6 +25,28 @@ def test_a_part_of_a_game_is_a_small_film(replay: Replay, tmp_path: Path) -> Non
     assert (tmp_path / "game.gif").stat().st_size < 500_000
 
 
+def test_a_film_says_which_game_it_is_of(replay: Replay, tmp_path: Path) -> None:
+    for view, said in (("referee", f", seed {replay.seed}"), ("red", "")):
+        save_gif(replay, tmp_path / "game.gif", 0, 20, view)
+
+        with Image.open(tmp_path / "game.gif") as image:
+            assert image.info["comment"].decode() == f"MA1 against MA2, plain, rules 1.0{said}"
+
+
+@pytest.mark.parametrize("size", ["9x3", "20x11", "90x24", "12x60"])
+def test_a_film_of_any_map_is_wide_enough_for_its_caption_and_no_higher_than_wide(
+    size: str, tmp_path: Path
+) -> None:
+    game = Game.from_text(f"map plain-{size}\nred tank 0102\nblue tank 0802\nticks 100")
+    game.submit("red", "tank0 move E")
+    game.advance(30)
+    save_gif(Replay.of(game), tmp_path / "game.gif")
+
+    with Image.open(tmp_path / "game.gif") as image:
+        assert image.width == 560
+        assert image.height <= 600
+
+
 def test_a_camps_film_is_the_same_whatever_it_cannot_see(tmp_path: Path) -> None:
     for seed, order in ((1, "tank1 hide"), (2, "tank1 move W")):
         game = Game("plain", seed=seed)

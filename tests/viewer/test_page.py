@@ -189,8 +189,11 @@ def test_the_command_writes_the_page(
     ("arguments", "message"),
     [
         (("cut.hwr", "-o", "game.html"), "cut.hwr: byte "),
-        (("game.hwr", "-o", "game.txt"), "game.txt: a picture's name must end in one of .png, .svg, .pdf"),
-        (("game.hwr", "-o", "game.png", "--view", "red"), "--view red: only a page or a film has views"),
+        (
+            ("game.hwr", "-o", "game.txt"),
+            "game.txt: found a name of no kind; expected one that ends in .html, .gif",
+        ),
+        (("game.hwr", "-o", "game.png", "--view", "red"), "--view red: found no --at; expected --at TICK"),
         (
             ("game.hwr", "-o", "game.gif", "--from", "9", "--to", "3"),
             "ticks 9 to 3; expected two ticks of 0..",
