@@ -4,7 +4,6 @@ from .algorithms.masked_dqn import MaskedDQN as MaskedDQN
 from .algorithms.masked_dqn import MaskedQRDQN as MaskedQRDQN
 from .algorithms.qmix import QMIX as QMIX
 from .engine.batch import Engine as Engine
-from .play.game import Game as Game
 from .engine.game import IllegalOrderWarning as IllegalOrderWarning
 from .engine.orders import Decompress as Decompress
 from .engine.orders import GetOff as GetOff
@@ -25,6 +24,7 @@ from .errors import HexWarError as HexWarError
 from .evaluation.matches import play_match as play_match
 from .maps.files import load_map as load_map
 from .maps.files import load_scenario as load_scenario
+from .play.game import Game as Game
 from .players.frozen import FrozenPolicy as FrozenPolicy
 from .players.terms import Terms as Terms
 from .version import __version__ as __version__

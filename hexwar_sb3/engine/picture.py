@@ -96,7 +96,7 @@ def game_picture(replay: Replay) -> Figure:
     _draw_marks(above, scenario.hexmap, story)
     _draw_legend(between, columns=max(2, int(width // _ENTRY)))
     _draw_scores(below, replay, story)
-    figure.suptitle(f"{_title(replay)}; {_origin(replay)}", fontsize=12, color=INK, parse_math=False)
+    figure.suptitle(f"{_title(replay)}; {_rules(replay)}", fontsize=12, color=INK, parse_math=False)
     return figure
 
 
@@ -214,5 +214,9 @@ def _title(replay: Replay) -> str:
 
 
 def _origin(replay: Replay) -> str:
-    """What else makes it this game and no other."""
-    return f"rules {replay.head['rules']['version']}, seed {replay.seed}"
+    """What else makes it this game and no other; for the file alone, nobody reads such a seed."""
+    return f"{_rules(replay)}, seed {replay.seed}"
+
+
+def _rules(replay: Replay) -> str:
+    return f"rules {replay.head['rules']['version']}"

@@ -106,4 +106,4 @@ def _caption(scene: Scene, replay: Replay, view: str) -> str:
         known = f"known margin {scene.margins[view]:+d}"
         return f"tick {scene.tick}: {names['red']} against {names['blue']}, as {view} knows it; {known}"
     margins = [f"{names[camp]} {scene.margins[camp]:+d}" for camp in CAMPS]
-    return f"tick {scene.tick}: {', '.join(margins)}; seed {replay.seed}"
+    return f"tick {scene.tick}: {', '.join(margins)}"

@@ -17,7 +17,7 @@ from hexwar_sb3.maps.hexmap import HexMap
 from hexwar_sb3.maps.picture import centres, draw_map, draw_points, map_inches
 from hexwar_sb3.pictures import CAMPS, INK, new_figure, write_figure
 from hexwar_sb3.rules.enums import Camp
-from hexwar_sb3.viewer.scene import SHOT_TICKS, Scene, fanned, names_of, origin_of, scenes
+from hexwar_sb3.viewer.scene import SHOT_TICKS, Scene, fanned, names_of, origin_of, scenes, title_of
 from hexwar_sb3.viewer.story import REFEREE
 
 _TITLE, _WORDS, _NARROWEST = 0.6, 0.45, 7.0  # inches
@@ -62,7 +62,7 @@ def moment_picture(replay: Replay, scene: Scene, view: str = REFEREE) -> Figure:
     _draw_fire(axes, scene, hexmap)
     _draw_tokens(axes, scene, hexmap)
     said: Any = {"color": INK, "parse_math": False}
-    figure.suptitle(f"{origin_of(replay, view)}\n{_words(replay, scene, view)}", fontsize=11, **said)
+    figure.suptitle(f"{title_of(replay)}\n{_words(replay, scene, view)}", fontsize=11, **said)
     key = f"{_KEY}; {_marks(view)}"
     figure.supxlabel("\n".join(textwrap.wrap(key, int(width * _LETTERS_AN_INCH))), fontsize=7.5, color=INK)
     return figure

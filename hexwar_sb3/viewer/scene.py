@@ -145,10 +145,14 @@ def names_of(replay: Replay) -> dict[str, str]:
 
 
 def origin_of(replay: Replay, view: str = REFEREE) -> str:
-    """What a picture says of its game: "MA1 against MA2, plain, rules 1.0, seed 3"; of a camp's view no seed."""
+    """What a file says of its game: "MA1 against MA2, plain, rules 1.0, seed 3"; of a camp's view no seed."""
+    return f"{title_of(replay)}, seed {replay.seed}" if view == REFEREE else title_of(replay)
+
+
+def title_of(replay: Replay) -> str:
+    """The same for people, who read no seed."""
     names, head = " against ".join(names_of(replay).values()), replay.head
-    seed = f", seed {replay.seed}" if view == REFEREE else ""
-    return f"{names}, {head['scenario']['name'][:NAME_CHARACTERS]}, rules {head['rules']['version']}{seed}"
+    return f"{names}, {head['scenario']['name'][:NAME_CHARACTERS]}, rules {head['rules']['version']}"
 
 
 def _own_tokens(view: SideView) -> list[Token]:

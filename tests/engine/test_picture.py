@@ -47,7 +47,7 @@ def test_the_picture_shows_the_map_and_the_scores(replay: Replay, tmp_path: Path
     _, _, below = figure.axes
     assert (
         figure.get_suptitle()
-        == "board: unknown (red) against unknown (blue)\nat tick 952; margin red +131, blue -131; rules 1.0, seed 3"
+        == "board: unknown (red) against unknown (blue)\nat tick 952; margin red +131, blue -131; rules 1.0"
     )
     assert below.get_ylabel() == "points"
     save_game_picture(replay, tmp_path / "game.png")
