@@ -1,4 +1,4 @@
-"""`hexwar watch`: a recorded game as text, picture or page, and its verification."""
+"""`hexwar watch`: a recorded game as text, picture or page, many games as one page, and their verification."""
 
 from __future__ import annotations
 
@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from hexwar_sb3.engine.replay import Replay
 
 
+FILES = "a replay (*.hwr), several, or the folder of a run, a tournament or a league"
 Output = Annotated[
     Path | None,
     tyro.conf.arg(
@@ -34,31 +35,63 @@ Until = Annotated[int | None, tyro.conf.arg(name="to", help="last tick of a film
 
 @dataclass(frozen=True, kw_only=True)
 class Watch:
-    """Show a recorded game; play it again and compare."""
+    """Show recorded games; play them again and compare.
 
-    file: tyro.conf.Positional[Path]  # *.hwr
+    One game as text, picture, film or page. Two or more, or what `hexwar train`, `tournament` or `selfplay` left in a
+    folder, as one page: a training's album, a league's heat map, two games side by side.
+    """
+
+    files: Annotated[tuple[Path, ...], tyro.conf.Positional, tyro.conf.arg(metavar="FILE...", help=FILES)]
     verify: bool = False  # play the game again from its orders and compare every state
     output: Output = None
     view: View = "all"
     start: Start = 0
     until: Until = None
+    jobs: int = 1  # games of a page told side by side
     json: Json = False
 
     def run(self) -> int:
         """Print what happened, and write what was asked for."""
         from hexwar_sb3.engine.replay import Replay
 
-        replay = Replay.load(self.file)
+        if not self.files:
+            raise ConfigError("name a replay (*.hwr), or a folder of them")
+        if len(self.files) > 1 or self.files[0].is_dir():
+            return self._many()
+        (file,) = self.files
+        replay = Replay.load(file)
         if self.verify:
             replay.verify()
         if self.output is not None:
             self._write(replay, self.output)
         if self.json:
-            print_json({"file": str(self.file), "verified": self.verify, **figures(replay)})
+            print_json({"file": str(file), "verified": self.verify, **figures(replay)})
         else:
             print("\n".join([*event_lines(replay), result_line(replay)]))
             if self.verify:
                 print("verified: played again, every state is the same")
+        return 0
+
+    def _many(self) -> int:
+        """A line a game, and the page of all."""
+        from hexwar_sb3.commands.albums import album_of
+        from hexwar_sb3.engine.replay import Replay
+
+        if self.output is not None and self.output.suffix != ".html":
+            raise ConfigError(f"{self.output}: several games make a page; name an .html file")
+        album, rows = album_of(self.files, self.view), []
+        for clip in album.clips:
+            replay = Replay.load(clip.path)
+            if self.verify:
+                replay.verify()
+            rows.append({"file": str(clip.path), "verified": self.verify, **figures(replay)})
+            if not self.json:
+                print(f"{clip.path}: {result_line(replay)}")
+        if self.output is not None:
+            album.save(self.output, jobs=self.jobs)
+            print(f"page: {self.output}", file=sys.stderr)
+        if self.json:
+            print_json({"title": album.title, "games": rows})
         return 0
 
     def _write(self, replay: Replay, path: Path) -> None:
