@@ -175,7 +175,7 @@ class LeagueFolder:
                 raise FileFormatError(
                     self.table(k), place, found=f"{names!r}: {rate!r}"[:80], expected=expected
                 )
-        return found  # type: ignore[no-any-return]  # checked
+        return dict(found)
 
     def models(self, k: int) -> Generation:
         """All models of an iteration: those that it trained, and, where one plays both camps, those they come from."""

@@ -11,6 +11,7 @@ from hexwar_sb3.errors import ConfigError, FileFormatError, UnknownNameError
 from hexwar_sb3.evaluation.jobs import run_jobs
 from hexwar_sb3.files import replacing
 from hexwar_sb3.viewer.contents import FORMAT, FORMAT_VERSION, SETUP, entry_of, shared_parts
+from hexwar_sb3.viewer.differences import with_differences
 from hexwar_sb3.viewer.map_block import map_block
 from hexwar_sb3.viewer.page import ALL, CHOICES, MAX_PAGE_BYTES, filled, packed
 from hexwar_sb3.viewer.picture import picture_of
@@ -52,7 +53,7 @@ def tell(clip: Clip) -> Told:
     story = told[next(iter(told))]
     return Told(
         entry=entry_of(told, teller.game, clip.name, clip.view),
-        block=packed(interleaved(told)),
+        block=packed(interleaved({name: with_differences(story) for name, story in told.items()})),
         shared={f"map-{story['map']}": map_block(hexmap), **shared_parts(story)},
         picture=picture_of(teller.game, clip.view if clip.view in CAMPS else None),
     )

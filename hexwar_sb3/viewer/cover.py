@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 from hexwar_sb3.evaluation.history import History
 from hexwar_sb3.evaluation.intervals import Estimate
@@ -60,15 +61,14 @@ def table_part(table: Table, scenario: str, games: Mapping[str, int], name: str 
 
 
 def _cell(
-    meeting: Meeting, rows: Mapping[Meeting, Mapping[str, object]], games: Mapping[str, int]
+    meeting: Meeting, rows: Mapping[Meeting, Mapping[str, Any]], games: Mapping[str, int]
 ) -> Json | None:
     """Of a match: red's win rate, how many games, and which of them is on the page."""
     row = rows.get(meeting)
     if row is None:
         return None
-    red: Mapping[str, object] = row["red"]  # type: ignore[assignment]  # checked as it was read
-    low, high = red["win_rate_interval"]  # type: ignore[misc]
-    told = {"rate": _told(Estimate(red["win_rate"], low, high)), "games": red["games"]}  # type: ignore[arg-type]
+    red = row["red"]
+    told = {"rate": _told(Estimate(red["win_rate"], *red["win_rate_interval"])), "games": red["games"]}
     game = games.get(meeting.stem, NO_GAME)
     if game == NO_GAME or MEDIAN not in row:
         return told
