@@ -79,6 +79,7 @@ class Album:
         cover: further parts of the contents (docs/formats/story.md): `kind`, `curve`, `tables`, `lineage`.
 
     Example:
+        >>> from pathlib import Path
         >>> Replay.of(Game("plain", seed=0)).save("first.hwr")
         >>> Replay.of(Game("plain", seed=1)).save("second.hwr")
         >>> clips = [Clip(path=Path(name), name=name) for name in ("first.hwr", "second.hwr")]

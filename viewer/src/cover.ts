@@ -17,6 +17,7 @@ export class Cover {
   private picked: number[] = []; // games to compare
   private table = 0;
   private width = 0;
+  private room = 0; // pixels beside the padding
   private readonly thumbs = new Thumbs();
   private readonly cards: { number: number; box: HTMLInputElement; why: HTMLElement; card: HTMLElement; canvas: HTMLCanvasElement }[] = [];
 
@@ -31,6 +32,7 @@ export class Cover {
     const { contents } = this;
     const main = byId("cover-main");
     this.width = main.clientWidth;
+    this.room = this.width - 2 * Number.parseFloat(getComputedStyle(main).paddingLeft);
     say(byId("cover-title"), contents.title);
     const parts = [this.about(), contents.curve?.rows.length ? this.curves() : null, contents.tables?.length ? this.heat() : null, contents.lineage ? this.lineage() : null];
     const strip = contents.kind === "league" ? null : this.strip();
@@ -65,8 +67,8 @@ export class Cover {
   private curves(): HTMLElement {
     const { curve } = this.contents;
     if (!curve) return make("section");
-    const wide = this.width >= WIDE;
-    const size: [number, number] = [wide ? (this.width - 24) / 2 : this.width, CHART_HEIGHT];
+    const wide = this.room >= WIDE;
+    const size: [number, number] = [wide ? (this.room - 24) / 2 : this.room, CHART_HEIGHT];
     const charts = [WIN_RATE, MARGIN].map((measure) => {
       const box = make("div", { class: "chart" }, make("h2", {}, `${measure.name[0].toUpperCase()}${measure.name.slice(1)}`));
       box.append(curveChart(curve, measure, [size[0] - 26, size[1]], (game) => void this.page.choose([game])));

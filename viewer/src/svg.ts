@@ -3,7 +3,7 @@
 import type { CurveDoc, Estimate, KeptDoc } from "./contents";
 
 const SVG = "http://www.w3.org/2000/svg";
-const ROOM = { left: 52, right: 18, top: 12, bottom: 34 };
+const ROOM = { left: 52, right: 18, top: 12, bottom: 42 };
 const COLUMN = 118; // pixels an iteration of a lineage
 const ROW = 44;
 
@@ -55,8 +55,8 @@ export function curveChart(curve: CurveDoc, measure: Measure, [width, height]: [
       draw("line", { x1: ROOM.left, x2: width - ROOM.right, y1: y(value), y2: y(value), class: "grid" }),
       draw("text", { x: ROOM.left - 8, y: y(value) + 4, "text-anchor": "end" }, measure.text(value)),
     ]),
-    ...ticksOf(0, most, width > 420 ? 6 : 4).map((value) => draw("text", { x: x(value), y: height - 14, "text-anchor": "middle" }, short(value))),
-    draw("text", { x: (ROOM.left + width - ROOM.right) / 2, y: height - 1, "text-anchor": "middle" }, "env steps"),
+    ...ticksOf(0, most, width > 420 ? 6 : 4).map((value) => draw("text", { x: x(value), y: height - 22, "text-anchor": "middle" }, short(value))),
+    draw("text", { x: (ROOM.left + width - ROOM.right) / 2, y: height - 5, "text-anchor": "middle" }, "env steps"),
   ];
   const points = rows.map((row) => pointOf(row, measure, [x(row[0]), y(measure.of(row)[0])], open));
   const traits = { width, height, viewBox: `0 0 ${width} ${height}`, role: "group", "aria-label": `${measure.name} over env steps` };
