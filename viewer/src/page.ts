@@ -96,7 +96,7 @@ export class Page {
   }
 
   showCover(): void {
-    this.play(false);
+    this.halt();
     this.covered = true;
     byId("app").hidden = true;
     byId("cover").hidden = false;
@@ -137,7 +137,7 @@ export class Page {
     const views = tapes[0].views;
     const first = moment.view && views.includes(moment.view) ? moment.view : views[0];
     await Promise.all(tapes.map((tape) => tape.show(first)));
-    if (this.playing) this.play(false);
+    this.halt();
     Object.assign(this, { tapes, active: 0, covered: false, time: 0, picked: null, cell: -1, hover: -1, hot: null, mindKey: "" });
     this.parting = tapes.length > 1 ? partingOf(tapes[0].game.story, tapes[1].game.story) : null;
     byId("cover").hidden = true;
@@ -277,6 +277,12 @@ export class Page {
     }
   }
 
+  private halt(): void {
+    this.playing = false;
+    byId("play").classList.remove("on");
+    byId("play").setAttribute("aria-label", "Play");
+  }
+
   play(playing: boolean): void {
     if (this.covered || this.tapes.length === 0) return;
     if (playing && this.time >= this.last) this.time = 0;
@@ -325,6 +331,7 @@ export class Page {
   }
 
   noteMoment(): void {
+    if (this.covered) return;
     try {
       history.replaceState(null, "", writeMoment(this.moment()));
     } catch {
