@@ -52,8 +52,8 @@ function buildPair(page: Page): void {
   byId("score").replaceChildren(make("b", { class: "pair-title" }, "Two games on one clock"), found, make("span", { class: "what" }, parting ? orderText(parting) : ""));
   for (const [k, tape] of page.tapes.entries()) {
     const { players } = tape.game.story;
-    const side = (camp: Camp) => make("span", { class: `side ${camp}` }, badge(camp, camp[0].toUpperCase()), make("bdi", { class: "small name", title: players[camp].name }, players[camp].name), make("span", { class: "margin", id: `margin-${camp}-${k}` }));
-    const pick = make("button", { type: "button", class: "about", id: `pick-${k}`, title: "Show its pieces, log and policy (w)" }, make("bdi", {}, tape.name));
+    const side = (camp: Camp) => make("span", { class: `side ${camp}`, title: players[camp].name }, badge(camp, camp[0].toUpperCase()), make("span", { class: "margin", id: `margin-${camp}-${k}` }));
+    const pick = make("button", { type: "button", class: "about", id: `pick-${k}`, title: "Show its pieces, log and policy (w)" }, make("bdi", {}, tape.name), make("small", {}, make("bdi", {}, players.red.name), " against ", make("bdi", {}, players.blue.name)));
     pick.addEventListener("click", () => page.focus(k));
     byId(`about-${k}`).replaceChildren(pick, side("red"), side("blue"), make("span", { class: "soft small", id: `result-${k}` }));
   }

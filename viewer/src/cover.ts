@@ -5,11 +5,12 @@ import { byId, make, press, say } from "./dom";
 import { signed } from "./log";
 import type { Page } from "./page";
 import { paletteOf } from "./palette";
-import { CAMPS, loadSetup } from "./story";
+import { other } from "./state";
+import { CAMPS, type Camp, loadSetup } from "./story";
 import { MARGIN, WIN_RATE, curveChart, lineageChart } from "./svg";
 import { Thumbs } from "./thumb";
 
-const CHART_HEIGHT = 230;
+const CHART_HEIGHT = { wide: 230, narrow: 172 };
 const WIDE = 860; // pixels with room for two charts side by side
 const TINTS = { light: [[236, 164, 152], [246, 245, 242], [158, 191, 236]], dark: [[132, 47, 35], [44, 50, 58], [35, 75, 139]] };
 
@@ -54,7 +55,7 @@ export class Cover {
     const same = games.length > 1 && seeds.size === 1 && !seeds.has(undefined) ? " with the same dice" : "";
     const count = games.length === 1 ? "One recorded game" : `${games.length} recorded games${same}`;
     const lead: Record<ContentsDoc["kind"], string> = {
-      album: `${count}: the same game, played by the commander as it was at each step. A point of the curve or a picture opens it.`,
+      album: `${count}: the commander as it was at each step${learnerText(games)}. A point of the curve or a picture opens a game.`,
       league: `A cell opens the median game of its match, by margin. ${count}.`,
       games: `${count}. A picture opens one.`,
       compare: why ? `These two cannot be shown side by side: they have ${why}.` : `${count}.`,
@@ -68,7 +69,7 @@ export class Cover {
     const { curve } = this.contents;
     if (!curve) return make("section");
     const wide = this.room >= WIDE;
-    const size: [number, number] = [wide ? (this.room - 24) / 2 : this.room, CHART_HEIGHT];
+    const size: [number, number] = [wide ? (this.room - 24) / 2 : this.room, wide ? CHART_HEIGHT.wide : CHART_HEIGHT.narrow];
     const charts = [WIN_RATE, MARGIN].map((measure) => {
       const box = make("div", { class: "chart" }, make("h2", {}, `${measure.name[0].toUpperCase()}${measure.name.slice(1)}`));
       box.append(curveChart(curve, measure, [size[0] - 26, size[1]], (game) => void this.page.choose([game])));
@@ -105,7 +106,7 @@ export class Cover {
     const [rate, low, high] = one.rate.map((value) => Math.round(100 * value));
     const text = `${table.red[i]} (red) against ${table.blue[j]} (blue): ${rate} % [${low}, ${high}] of ${one.games} games. ${gameText(one)}`;
     const inside = [make("b", {}, String(rate)), make("small", {}, `${low}–${high}`), make("small", {}, `n ${one.games}`)];
-    const box = one.game ? make("button", { type: "button", class: "rate", title: text, "aria-label": text, "data-game": String(one.game) }, ...inside) : make("div", { class: "rate", title: text }, ...inside);
+    const box = one.game ? make("button", { type: "button", class: "rate", title: text, "data-game": String(one.game) }, ...inside) : make("div", { class: "rate", title: text }, ...inside);
     box.style.backgroundColor = tint(one.rate[0], this.page.dark);
     const { game } = one;
     if (game) box.addEventListener("click", () => void this.page.choose([game]));
@@ -147,7 +148,7 @@ export class Cover {
     const canvas = make("canvas", { "aria-hidden": "true" });
     const margins = CAMPS.filter((camp) => entry.margin[camp] !== undefined).flatMap((camp) => [make("span", { class: `t-${camp}` }, `${camp} ${signed(entry.margin[camp] ?? 0)}`), " "]);
     const who = make("span", { class: "soft small who" }, make("bdi", {}, entry.players.red.name), " against ", make("bdi", {}, entry.players.blue.name), `, ${entry.scenario}`);
-    const open = make("button", { type: "button", class: "open", "data-game": String(number) }, canvas, make("bdi", { class: "title" }, entry.name), make("span", { class: "margins" }, ...margins), make("span", { class: "soft small" }, resultOf(entry)), who);
+    const open = make("button", { type: "button", class: "open", "data-game": String(number) }, canvas, make("bdi", { class: "title" }, entry.name), make("span", { class: "margins" }, ...margins), make("span", { class: "soft small" }, resultOf(entry)), this.contents.kind === "album" ? null : who);
     open.addEventListener("click", () => void this.page.choose([number]));
     const box = make("input", { type: "checkbox", id: `compare-${number}` });
     const why = make("span", { class: "small why" });
@@ -195,6 +196,13 @@ export class Cover {
       this.thumbs.draw(canvas, entry, setup, map, paletteOf(this.page.dark), this.page.ratio);
     }
   }
+}
+
+/** Whom the commander of an album plays, and as what: the camp whose player has another name in each game. */
+function learnerText(games: EntryDoc[]): string {
+  const names = (camp: Camp) => new Set(games.map((one) => one.players[camp].name));
+  const camp = CAMPS.find((one) => names(one).size > 1 && names(other(one)).size === 1);
+  return camp ? `, as ${camp} against ${[...names(other(camp))][0]}` : "";
 }
 
 function gameText(cell: CellDoc): string {
