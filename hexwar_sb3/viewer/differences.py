@@ -15,14 +15,21 @@ from hexwar_sb3.viewer.tracks import Json
 def with_differences(story: Json) -> Json:
     """A story whose pieces, beliefs, events and orders have differences (docs/formats/story.md, "Packed")."""
     found = dict(story)
-    for name, change in (("pieces", _pieces), ("beliefs", _beliefs), ("events", _events), ("orders", _orders)):
+    for name, change in (
+        ("pieces", _pieces),
+        ("beliefs", _beliefs),
+        ("events", _events),
+        ("orders", _orders),
+    ):
         if name in story:
             found[name] = change(story[name])
     return found
 
 
 def _pieces(pieces: Json) -> Json:
-    return {name: {field: _field(field, values) for field, values in one.items()} for name, one in pieces.items()}
+    return {
+        name: {field: _field(field, values) for field, values in one.items()} for name, one in pieces.items()
+    }
 
 
 def _beliefs(beliefs: Json) -> Json:

@@ -48,9 +48,16 @@ def trained(tmp_path: Path, game: Path) -> Path:
 def camp(player: str, wins: int, losses: int) -> dict[str, Any]:
     rate = wilson(wins, wins + losses)
     return {
-        **{"player": player, "games": wins + losses, "wins": wins, "draws": 0, "losses": losses},
-        **{"win_rate": rate.value, "win_rate_interval": [rate.low, rate.high]},
-        **{"mean_margin": 0.0, "mean_margin_interval": [-1.0, 1.0], "points_held": [1.0]},
+        "player": player,
+        "games": wins + losses,
+        "wins": wins,
+        "draws": 0,
+        "losses": losses,
+        "win_rate": rate.value,
+        "win_rate_interval": [rate.low, rate.high],
+        "mean_margin": 0.0,
+        "mean_margin_interval": [-1.0, 1.0],
+        "points_held": [1.0],
     }
 
 
@@ -61,7 +68,12 @@ def played(tmp_path: Path, game: Path) -> Path:
     for name in ("matches", "games"):
         (folder / name).mkdir(parents=True)
     for red, blue, wins in (("MA1", "MA2", 3), ("MA2", "MA1", 1)):
-        row = {"red": camp(red, wins, 4 - wins), "blue": camp(blue, 4 - wins, wins), "seed": 9, "median_game": 2}
+        row = {
+            "red": camp(red, wins, 4 - wins),
+            "blue": camp(blue, 4 - wins, wins),
+            "seed": 9,
+            "median_game": 2,
+        }
         (folder / "matches" / f"plain~{red}~{blue}.json").write_text(json.dumps(row))
     (folder / "games" / "plain~MA1~MA2.hwr").write_bytes(game.read_bytes())
     return folder

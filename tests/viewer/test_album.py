@@ -95,7 +95,9 @@ def test_a_page_has_a_block_a_game_and_shares_the_rest(folder: Path) -> None:
 
 
 def test_games_of_other_maps_are_told_apart(folder: Path) -> None:
-    one, two, hills = unpacked(blocks(album(folder, "one", "two", "hills").page(Path("g.html")))["contents"])["games"]
+    one, two, hills = unpacked(blocks(album(folder, "one", "two", "hills").page(Path("g.html")))["contents"])[
+        "games"
+    ]
 
     assert [one[part] for part in ("map", "setup", "rules", "seed")] == [
         two[part] for part in ("map", "setup", "rules", "seed")
@@ -157,7 +159,9 @@ def test_a_page_that_is_too_large_says_how_many_games_fit(
     whole = len(album(folder, "one", "two").page(tmp_path / "games.html").encode())
     monkeypatch.setattr(album_module, "MAX_PAGE_BYTES", whole - 1)
 
-    with pytest.raises(FileFormatError, match=r"games.html: page: found \d+ bytes of 2 games; .* first 1 games fit"):
+    with pytest.raises(
+        FileFormatError, match=r"games.html: page: found \d+ bytes of 2 games; .* first 1 games fit"
+    ):
         album(folder, "one", "two").save(tmp_path / "games.html")
     assert list(tmp_path.iterdir()) == []
     with pytest.raises(FileFormatError, match="the first 0 games fit"):
@@ -165,7 +169,7 @@ def test_a_page_that_is_too_large_says_how_many_games_fit(
 
 
 def test_a_broken_file_writes_nothing(folder: Path, tmp_path: Path) -> None:
-    with pytest.raises(ReplayFileError, match="cut.hwr"):
+    with pytest.raises(ReplayFileError, match=r"cut\.hwr"):
         album(folder, "one", "cut").save(tmp_path / "games.html")
     with pytest.raises(ConfigError, match="no recorded game"):
         Album(title="", clips=[]).save(tmp_path / "games.html")
