@@ -13,7 +13,7 @@ from hexwar_sb3.files import replacing
 from hexwar_sb3.viewer.contents import FORMAT, FORMAT_VERSION, SETUP, entry_of, shared_parts
 from hexwar_sb3.viewer.differences import with_differences
 from hexwar_sb3.viewer.map_block import map_block
-from hexwar_sb3.viewer.page import ALL, CHOICES, MAX_PAGE_BYTES, filled, packed
+from hexwar_sb3.viewer.page import ALL, CHOICES, MAX_PAGE_BYTES, filled, packed, tagged
 from hexwar_sb3.viewer.picture import picture_of
 from hexwar_sb3.viewer.story import CAMPS, NAME_CHARACTERS, VIEWS, Teller
 from hexwar_sb3.viewer.tracks import Json
@@ -117,7 +117,13 @@ class Album:
         blocks = {"contents": packed(self._contents(told)), **dict(sorted(shared.items()))}
         games = {f"game-{n}": one.block for n, one in enumerate(told, start=1)}
         title, picture = self.title[:TITLE_CHARACTERS], told[-1].picture if told else b""
-        check_size(path, [len(filled(title, blocks, picture).encode()), *map(len, games.values())])
+        check_size(
+            path,
+            [
+                len(filled(title, blocks, picture).encode()),
+                *(len(tagged(name, block)) for name, block in games.items()),
+            ],
+        )
         return filled(title, {**blocks, **games}, picture)
 
     def _contents(self, told: Sequence[Told]) -> Json:

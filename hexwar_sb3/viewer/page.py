@@ -77,9 +77,7 @@ def save_page(replay: Replay, path: str | Path, view: str = ALL) -> None:
 
 def filled(title: str, blocks: Mapping[str, str], picture: bytes) -> str:
     """The built page with a title, packed data blocks and the picture for browsers that cannot show the rest."""
-    data = "\n".join(
-        f'<script type="text/plain" id="{name}">{block}</script>' for name, block in blocks.items()
-    )
+    data = "".join(tagged(name, block) for name, block in blocks.items()).rstrip()
     source = f"data:image/png;base64,{base64.b64encode(picture).decode()}"
     image = f'<img src="{source}" alt="{html.escape(title)}: how it ended">' if picture else ""
     page = _built()
@@ -91,6 +89,11 @@ def filled(title: str, blocks: Mapping[str, str], picture: bytes) -> str:
 @lru_cache(maxsize=1)
 def _built() -> str:
     return (files("hexwar_sb3.viewer") / "built" / "page.html").read_text(encoding="utf-8")
+
+
+def tagged(name: str, block: str) -> str:
+    """A packed block as a line of a page."""
+    return f'<script type="text/plain" id="{name}">{block}</script>\n'
 
 
 def packed(block: Any) -> str:
