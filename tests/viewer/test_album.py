@@ -65,7 +65,7 @@ def summed(story: Json) -> Json:
     tick = 0
     for order in whole.get("orders", []):
         order[0] = tick = tick + order[0]
-    return whole  # type: ignore[no-any-return]
+    return whole
 
 
 @pytest.fixture(scope="module")
