@@ -10,7 +10,7 @@ from hexwar_sb3.callbacks.every import EverySteps
 from hexwar_sb3.engine.picture import save_game_picture
 from hexwar_sb3.evaluation.matches import Evaluation
 
-ALBUM_GAMES = 6  # of a training, at most: half a second each to write down
+ALBUM_GAMES = 12  # of a training, at most: half a second each to write down
 
 
 class RecordGame(EverySteps):

@@ -89,7 +89,7 @@ class Match:
     games: Games = 2000
     seed: Seed = 0
     decision_ticks: DecisionTicks = DECISION_TICKS
-    record: Path | None = None  # file (*.hwr) that gets a game, or folder that gets several
+    record: Path | None = None  # file (*.hwr) that gets a game, or folder that gets several, and their page
     record_games: tuple[int, ...] = (0,)  # which, by their numbers from 0
     json: Json = False
 
@@ -127,9 +127,17 @@ class Match:
             raise ConfigError(f"--record {self.record} is a file for one game; name a folder for several")
 
     def _record(self, how: Evaluation, place: Path) -> None:
+        from hexwar_sb3.commands.albums import save_at_end
+        from hexwar_sb3.viewer.album import Album, Clip
+
         for number in self.record_games:
             replay = how.record(self.red, self.blue, number, command=typed())
             replay.save(place / f"game_{number:06d}.hwr" if self._is_folder(place) else place)
+        if self._is_folder(place):
+            names = {f"game {number}": place / f"game_{number:06d}.hwr" for number in self.record_games}
+            clips = [Clip(path=path, name=name) for name, path in names.items()]
+            title = f"{Path(self.red).name} against {Path(self.blue).name}, seed {self.seed}"
+            save_at_end(lambda: Album(title=title, clips=clips), place / "games.html")
 
     @staticmethod
     def _is_folder(path: Path) -> bool:

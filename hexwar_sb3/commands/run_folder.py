@@ -82,6 +82,11 @@ class RunFolder:
         return self.path / "replays"
 
     @property
+    def album(self) -> Path:
+        """How the commander changed, as a page of its games."""
+        return self.path / "album.html"
+
+    @property
     def page(self) -> Path:
         """What was learned, as text; its figures lie beside it as JSON."""
         return self.path / "page.txt"

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import tyro
 
-from hexwar_sb3.commands.output import compile_first, print_json, table
+from hexwar_sb3.commands.output import compile_first, print_json, table, typed
 from hexwar_sb3.commands.settings import Json, ScenarioName, Seed, check_jobs
 from hexwar_sb3.evaluation.opponents import broad_mixture
 
@@ -52,6 +52,7 @@ class SelfPlay:
 
     def run(self) -> int:
         """Begin or go on, then print who was kept."""
+        from hexwar_sb3.commands.albums import album_of, save_at_end
         from hexwar_sb3.commands.tournament import named
         from hexwar_sb3.league.league import League
         from hexwar_sb3.league.settings import LeagueSettings
@@ -66,6 +67,9 @@ class SelfPlay:
         try:
             league = League.create(self.output, settings, starters)
             league.run(self.jobs, after=lambda k: print(in_words(league, k), file=sys.stderr, flush=True))
+            if settings.iterations:
+                league.record_games(settings.iterations, self.jobs, typed())
+                save_at_end(lambda: album_of([self.output]), self.output / "league.html", self.jobs)
         except KeyboardInterrupt:
             print("\nstopped; the same command goes on", file=sys.stderr)
             return INTERRUPTED

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from hexwar_sb3.evaluation.intervals import Estimate
     from hexwar_sb3.evaluation.tournament import Table
 
+PAGE = "league.html"  # heat map and median games, to click through
 PLAYERS = "bots' names, run folders or policy folders; NAME=PLAYER calls it NAME"
 
 
@@ -39,11 +40,14 @@ class Tournament:
     mirror: bool = False  # each player also meets itself
     jobs: int = 1  # matches side by side
     record: bool = True  # write down the median game of each match
-    output: Path = Path("tournament")  # folder: matches/, games/, table.txt, table.json, tournament.png
+    output: Path = Path(
+        "tournament"
+    )  # folder: matches/, games/, league.html, table.txt, table.json, tournament.png
     json: Json = False
 
     def run(self) -> int:
         """Play what is missing, then print and draw."""
+        from hexwar_sb3.commands.albums import album_of, save_at_end
         from hexwar_sb3.evaluation.tournament import play_meetings, record_medians, single_round_robin
         from hexwar_sb3.evaluation.tournament_picture import draw_tournament
         from hexwar_sb3.folders import holding
@@ -70,10 +74,11 @@ class Tournament:
                 record_medians(
                     found, players, players, how, self.output / "games", jobs=self.jobs, command=typed()
                 )
+            save_at_end(lambda: album_of([self.output]), self.output / PAGE, self.jobs)
         if self.json:
             print_json(figures)
         else:
-            print(text, f"\npicture: {self.output / 'tournament.png'}")
+            print(text, f"\npicture: {self.output / 'tournament.png'}\npage: {self.output / PAGE}")
         return 0
 
     def _evaluation(self, players: Mapping[str, str]) -> Evaluation:

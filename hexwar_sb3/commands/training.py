@@ -22,6 +22,7 @@ from hexwar_sb3.callbacks.record import write_album, write_games
 from hexwar_sb3.callbacks.self_play import SelfPlayCallback
 from hexwar_sb3.callbacks.shares import shares_of
 from hexwar_sb3.callbacks.win_rate import WinRateCallback
+from hexwar_sb3.commands.albums import run_album, save_at_end
 from hexwar_sb3.commands.output import print_json
 from hexwar_sb3.commands.page import TRAINED, met_by, write_page
 from hexwar_sb3.commands.run_folder import RunFolder
@@ -64,7 +65,8 @@ def train(settings: TrainSettings, model: QMIX, folder: RunFolder) -> int:
     write_games(
         folder.policy, opponent, settings.evaluation(), folder.replays, f"against_{Path(opponent).name}"
     )
-    write_album(folder.snapshots, opponent, settings.evaluation(), folder.replays)
+    if write_album(folder.snapshots, opponent, settings.evaluation(), folder.replays):
+        save_at_end(lambda: run_album(folder.path), folder.album)
     title = (
         f'What was learned on "{settings.scenario}", seed {settings.seed}:'
         f" {settings.n_timesteps:,} env steps against {', '.join(settings.met)}"
@@ -106,6 +108,7 @@ def _places(folder: RunFolder) -> str:
         "last model": folder.model,
         "learning curve": folder.path / "learning_curve.png",
         "replays, of its snapshots too": folder.replays,
+        "how it changed, to watch": folder.album,
         "this page": folder.page,
     }
     width = max(len(name) for name in places)

@@ -1,4 +1,4 @@
-"""`hexwar watch`: a recorded game as text, picture or page, and its verification."""
+"""`hexwar watch`: a recorded game as text, picture or page, many games as one page, and their verification."""
 
 from __future__ import annotations
 
@@ -12,11 +12,13 @@ import tyro
 from hexwar_sb3.commands.exports import Wish, write_export
 from hexwar_sb3.commands.output import print_json
 from hexwar_sb3.commands.settings import Json
+from hexwar_sb3.errors import ConfigError
 
 if TYPE_CHECKING:
     from hexwar_sb3.engine.replay import Replay
 
 
+FILES = "a replay (*.hwr), several, or the folder of a run, a tournament or a league"
 Output = Annotated[
     Path | None,
     tyro.conf.arg(
@@ -36,15 +38,20 @@ Until = Annotated[int | None, tyro.conf.arg(name="to", help="last tick of a film
 
 @dataclass(frozen=True, kw_only=True)
 class Watch:
-    """Show a recorded game; play it again and compare."""
+    """Show recorded games; play them again and compare.
 
-    file: tyro.conf.Positional[Path]  # *.hwr
+    One game as text, picture, film or page. Two or more, or what `hexwar train`, `tournament` or `selfplay` left in a
+    folder, as one page: a training's album, a league's heat map, two games side by side.
+    """
+
+    files: Annotated[tuple[Path, ...], tyro.conf.Positional, tyro.conf.arg(metavar="FILE...", help=FILES)]
     verify: bool = False  # play the game again from its orders and compare every state
     output: Output = None
     view: View = "all"
     at: At = None
     start: Start = 0
     until: Until = None
+    jobs: int = 1  # games of a page told side by side
     json: Json = False
 
     def run(self) -> int:
@@ -52,18 +59,48 @@ class Watch:
         from hexwar_sb3.engine.replay import Replay
 
         wish = Wish(path=self.output, view=self.view, at=self.at, start=self.start, until=self.until)
-        replay = Replay.load(self.file)
+        if not self.files:
+            raise ConfigError("name a replay (*.hwr), or a folder of them")
+        if len(self.files) > 1 or self.files[0].is_dir():
+            return self._many(wish)
+        (file,) = self.files
+        replay = Replay.load(file)
         if self.verify:
             replay.verify()
         written = write_export(replay, wish)
         if written:
             print(f"{written}: {self.output}", file=sys.stderr)
         if self.json:
-            print_json({"file": str(self.file), "verified": self.verify, **figures(replay)})
+            print_json({"file": str(file), "verified": self.verify, **figures(replay)})
         else:
             print("\n".join([*event_lines(replay), result_line(replay)]))
             if self.verify:
                 print("verified: played again, every state is the same")
+        return 0
+
+    def _many(self, wish: Wish) -> int:
+        """A line a game, and the page of all."""
+        from hexwar_sb3.commands.albums import album_of
+        from hexwar_sb3.engine.replay import Replay
+
+        if self.output is not None and self.output.suffix != ".html":
+            raise ConfigError(f"{self.output}: several games make a page; name an .html file")
+        for flag, text in wish.said().items():
+            if flag != "--view" or self.output is None:
+                raise ConfigError(f"{text}: found several games; expected it with one of them")
+        album, rows = album_of(self.files, self.view), []
+        for clip in album.clips:
+            replay = Replay.load(clip.path)
+            if self.verify:
+                replay.verify()
+            rows.append({"file": str(clip.path), "verified": self.verify, **figures(replay)})
+            if not self.json:
+                print(f"{clip.path}: {result_line(replay)}")
+        if self.output is not None:
+            album.save(self.output, jobs=self.jobs)
+            print(f"page: {self.output}", file=sys.stderr)
+        if self.json:
+            print_json({"title": album.title, "games": rows})
         return 0
 
 

@@ -19,7 +19,7 @@ from typing import Any, Self
 from hexwar_sb3.errors import FileFormatError, HexWarError
 from hexwar_sb3.evaluation.provenance import provenance
 from hexwar_sb3.files import check_held, write_json
-from hexwar_sb3.kinds import read_fields
+from hexwar_sb3.kinds import fits, read_fields
 from hexwar_sb3.league.member import BOTH, CAMPS, Member
 from hexwar_sb3.league.selection import Standing
 from hexwar_sb3.league.settings import LeagueSettings
@@ -161,6 +161,21 @@ class LeagueFolder:
                         )
                 rows.setdefault(camp, []).append(own)
         return rows
+
+    def red_win_rates(self, k: int) -> dict[str, float]:
+        """Win rates of red in iteration k's round robin, by "RED BLUE"; none in iteration 0.
+
+        Raises:
+            FileFormatError: its table is broken.
+        """
+        found = self._table(k).get("red_win_rates", {})
+        for names, rate in found.items() if isinstance(found, dict) else [("", found)]:
+            if not fits(rate, float) or not 0.0 <= rate <= 1.0 or len(names.split(" ")) != len(CAMPS):
+                place, expected = "red_win_rates", "shares in 0..1 by two names"
+                raise FileFormatError(
+                    self.table(k), place, found=f"{names!r}: {rate!r}"[:80], expected=expected
+                )
+        return dict(found)
 
     def models(self, k: int) -> Generation:
         """All models of an iteration: those that it trained, and, where one plays both camps, those they come from."""

@@ -12,6 +12,7 @@ from hexwar_sb3.envs.registration import TASK_ENV, make_vec_env
 from hexwar_sb3.errors import ConfigError
 from hexwar_sb3.evaluation.jobs import run_jobs
 from hexwar_sb3.evaluation.panel import BOTS
+from hexwar_sb3.evaluation.tournament import Table, record_medians
 from hexwar_sb3.files import write_json
 from hexwar_sb3.folders import holding
 from hexwar_sb3.league.agenda import Agenda
@@ -159,12 +160,41 @@ class League(Agenda):
     def _train_groups(self, k: int, jobs: int) -> None:
         run_jobs(train_group, [spec for spec in self.specs(k) if not spec.folder.is_dir()], jobs, "group")
 
-    def _select(self, k: int, jobs: int) -> None:
+    def _players(self, k: int) -> tuple[dict[str, object], dict[str, object]]:
+        """Red and blue models of an iteration by name."""
         models = self.models(k)
         reds, blues = ({one.name: one.folder for one in models[camp]} for camp in CAMPS)
-        how = self.evaluation(k, self.settings.match_games)
+        return dict(reds), dict(blues)
+
+    def _round_robin(self, k: int, jobs: int) -> Table:
+        """Every red model of iteration k against every blue one, and their rivals; what was played is read."""
+        how, folder = self.evaluation(k, self.settings.match_games), self.iteration(k) / "matches"
+        return play_all(*self._players(k), how, folder, rivals=tuple(self.settings.weights), jobs=jobs)
+
+    def record_games(self, k: int, jobs: int = 1, command: str | None = None) -> None:
+        """Write down, into the iteration's `games/`, the median game of each match of those that iteration k kept.
+
+        Args:
+            k: an iteration that is done, not the first.
+            jobs: games side by side.
+            command: what made them, as one would type it.
+        """
+        rivals = {name: name for name in self.settings.weights}
+        kept = {camp: {*rivals, *(one.name for one in self.kept(k)[camp])} for camp in CAMPS}
+        with holding(self.folder, "league"):
+            table = self._round_robin(k, jobs)
+            own = {
+                meeting: row
+                for meeting, row in table.rows.items()
+                if meeting.red in kept["red"] and meeting.blue in kept["blue"]
+            }
+            reds, blues = ({**players, **rivals} for players in self._players(k))
+            how, folder = self.evaluation(k, self.settings.match_games), self.iteration(k) / "games"
+            record_medians(Table(own), reds, blues, how, folder, jobs=jobs, command=command)
+
+    def _select(self, k: int, jobs: int) -> None:
         rivals, share = tuple(self.settings.weights), self.settings.worst_share
-        table = play_all(reds, blues, how, self.iteration(k) / "matches", rivals=rivals, jobs=jobs)
+        table = self._round_robin(k, jobs)
         rows = {camp: standings(table, camp, rivals, share) for camp in CAMPS}
         before = self.kept(k - 1)
         for n, camp in enumerate(CAMPS):

@@ -1,3 +1,5 @@
+from .album import Album as Album
+from .album import Clip as Clip
 from .events import save_events as save_events
 from .gif import save_gif as save_gif
 from .moment import save_moment as save_moment

@@ -58,7 +58,8 @@ def page_and_picture(replay: Replay, view: str) -> tuple[str, bytes]:
     blocks = {f"map-{map_key(hexmap)}": map_block(hexmap)}
     blocks |= {f"story-1-{name}": story for name, story in told.items()}
     picture = picture_of(teller.game, view if view in CAMPS else None)
-    return filled(_title(told[next(iter(told))], view), blocks, picture), picture
+    data = {name: packed(block) for name, block in blocks.items()}
+    return filled(_title(told[next(iter(told))], view), data, picture), picture
 
 
 def save_page(replay: Replay, path: str | Path, view: str = ALL) -> None:
@@ -74,13 +75,11 @@ def save_page(replay: Replay, path: str | Path, view: str = ALL) -> None:
         temporary.write_bytes(page)
 
 
-def filled(title: str, blocks: Mapping[str, Json], picture: bytes) -> str:
-    """The built page with a title, data blocks and the picture for browsers that cannot show the rest."""
-    data = "\n".join(
-        f'<script type="text/plain" id="{name}">{_packed(block)}</script>' for name, block in blocks.items()
-    )
+def filled(title: str, blocks: Mapping[str, str], picture: bytes) -> str:
+    """The built page with a title, packed data blocks and the picture for browsers that cannot show the rest."""
+    data = "".join(tagged(name, block) for name, block in blocks.items()).rstrip()
     source = f"data:image/png;base64,{base64.b64encode(picture).decode()}"
-    image = f'<img src="{source}" alt="{html.escape(title)}: how it ended">'
+    image = f'<img src="{source}" alt="{html.escape(title)}: how it ended">' if picture else ""
     page = _built()
     for place, text in ((TITLE, html.escape(title)), (PICTURE, image), (DATA, data)):
         page = page.replace(place, text)
@@ -92,7 +91,13 @@ def _built() -> str:
     return (files("hexwar_sb3.viewer") / "built" / "page.html").read_text(encoding="utf-8")
 
 
-def _packed(block: Any) -> str:
+def tagged(name: str, block: str) -> str:
+    """A packed block as a line of a page."""
+    return f'<script type="text/plain" id="{name}">{block}</script>\n'
+
+
+def packed(block: Any) -> str:
+    """A block of data: JSON without blanks, gzip, base64."""
     text = json.dumps(block, separators=(",", ":"), ensure_ascii=False).encode()
     return base64.b64encode(gzip.compress(text, compresslevel=9, mtime=0)).decode()
 

@@ -14,12 +14,14 @@ import pytest
 
 from hexwar_sb3.engine.game import Game
 from hexwar_sb3.engine.replay import Replay
+from hexwar_sb3.viewer.album import Album, Clip
 from hexwar_sb3.viewer.page import save_page
 from hexwar_sb3.viewer.story import CAMPS, VIEWS
 
 VIEWER = Path(__file__).parents[2] / "viewer"
 CHROMIUM = os.environ.get("CHROMIUM") or shutil.which("chromium") or shutil.which("chromium-browser")
 NODE = shutil.which("node")
+PARTED_AT = 150  # tick of a decision of both camps
 
 pytestmark = [
     pytest.mark.browser,
@@ -111,6 +113,44 @@ def test_a_page_that_draws_something_else_is_found(replay: Replay, tmp_path: Pat
 
     assert result.returncode == 1
     assert "referee, tick 0, margin" in result.stderr
+
+
+def test_pages_of_many_games_lead_to_their_games(replay: Replay, tmp_path: Path) -> None:
+    """An album, two games side by side with the tick at which they part, and the heat map of a round robin."""
+    other = parted(replay)
+    for name, game in (("a", replay), ("b", other)):
+        game.save(tmp_path / f"{name}.hwr")
+    clips = [Clip(path=tmp_path / f"{name}.hwr", name=name) for name in ("a", "b")]
+    rate = [0.5, 0.4, 0.6]
+    curve = {"games": 9, "rows": [[0, 1, rate, [-3.0, -4.0, -2.0]], [500, 2, rate, [5.0, 4.0, 6.0]]]}
+    cells = [[{"rate": rate, "games": 9, "game": 2, "episode": 4, "seed": 0}, None]]
+    table = {"name": "plain", "red": ["a"], "blue": ["b", "c"], "cells": cells}
+    covers: dict[str, Any] = {
+        "album": {"kind": "album", "curve": curve},
+        "compare": {"kind": "compare"},
+        "league": {"kind": "league", "tables": [table]},
+    }
+    for kind, cover in covers.items():
+        Album(title=kind, clips=clips, cover=cover).save(tmp_path / f"{kind}.html")
+
+    result = subprocess.run(
+        ["node", "e2e/many.mjs", *(str(tmp_path / f"{kind}.html") for kind in covers)],
+        cwd=VIEWER,
+        env={**os.environ, "CHROMIUM": str(CHROMIUM), "PARTING": str(PARTED_AT)},
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=300,
+    )
+
+    assert result.returncode == 0, result.stderr
+
+
+def parted(replay: Replay) -> Replay:
+    """The same game until a tick, from which on red gives no orders."""
+    game = replay.game_at(PARTED_AT)
+    game.advance(300)
+    return Replay.of(game)
 
 
 @pytest.mark.slow

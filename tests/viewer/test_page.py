@@ -18,7 +18,7 @@ from hexwar_sb3.engine.game import Game
 from hexwar_sb3.engine.replay import PlayerName, Replay
 from hexwar_sb3.errors import ConfigError, UnknownNameError
 from hexwar_sb3.viewer import page as page_module
-from hexwar_sb3.viewer.page import filled, replay_page, save_page
+from hexwar_sb3.viewer.page import filled, packed, replay_page, save_page
 from hexwar_sb3.viewer.picture import MAX_BYTES
 
 ROOT = Path(__file__).parents[2]
@@ -135,7 +135,7 @@ def test_an_unknown_view_is_refused(short: Replay) -> None:
 
 def test_a_place_in_the_built_page_that_data_could_name_is_filled_once() -> None:
     """A title that reads like a place for data stays a title."""
-    page = filled("<!--data-->", {"story-1-red": {}}, b"")
+    page = filled("<!--data-->", {"story-1-red": packed({})}, b"")
 
     assert page.count('id="story-1-red"') == 1
 

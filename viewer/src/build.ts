@@ -1,20 +1,36 @@
 // What stands on the page before anything is drawn: names, buttons, tabs, the list of keys.
 
 import { KEYS } from "./commands";
+import type { Parting } from "./compare";
 import { badge, byId, make } from "./dom";
 import type { Page } from "./page";
 import type { Tab } from "./scene";
-import type { Camp, View } from "./story";
+import { CAMPS, type Camp } from "./story";
 import { markName } from "./timeline";
 
-export function build(page: Page, views: View[]): void {
-  buildHeader(page, views);
+export function build(page: Page): void {
   buildLayers(page);
   buildTabs(page);
   buildKeys();
 }
 
-function buildHeader(page: Page, views: View[]): void {
+/** What changes with the game that is open. */
+export function buildGame(page: Page): void {
+  const many = page.contents !== null;
+  for (const id of ["all", "earlier", "later"]) byId(id).hidden = !many;
+  byId<HTMLButtonElement>("earlier").disabled = page.entryOf(page.tape.number - 1) === null;
+  byId<HTMLButtonElement>("later").disabled = page.entryOf(page.tape.number + 1) === null;
+  if (page.tapes.length > 1) buildPair(page);
+  else buildScore(page);
+  const views = page.views.map((view, k) => {
+    const button = make("button", { type: "button", id: `view-${view}`, title: `${k + 1}` }, view[0].toUpperCase() + view.slice(1));
+    button.addEventListener("click", () => void page.show(view));
+    return button;
+  });
+  byId("views").replaceChildren(...views);
+}
+
+function buildScore(page: Page): void {
   const { story } = page.game;
   const side = (camp: Camp) => {
     const { name, kind } = story.players[camp];
@@ -24,11 +40,28 @@ function buildHeader(page: Page, views: View[]): void {
   };
   const what = make("span", { class: "what", id: "what", title: story.seed ? `seed ${story.seed}` : "" });
   byId("score").replaceChildren(side("red"), make("span", { class: "versus" }, "against"), side("blue"), what);
-  for (const [k, view] of views.entries()) {
-    const button = make("button", { type: "button", id: `view-${view}`, title: `${k + 1}` }, view[0].toUpperCase() + view.slice(1));
-    button.addEventListener("click", () => void page.show(view));
-    byId("views").append(button);
+}
+
+/** Two games: where they part in the header, who plays above each map. */
+function buildPair(page: Page): void {
+  const { parting } = page;
+  const [a, b] = page.tapes.map((tape) => tape.game.story.seed);
+  const why = a === undefined ? "the seed is not known here" : a === b ? "the same game, to the end" : "the seeds differ";
+  const found = parting ? make("button", { type: "button", id: "parting", title: orderText(parting) }, `They part at tick ${parting.tick}`) : make("span", { class: "soft", id: "parting" }, why);
+  if (parting) found.addEventListener("click", () => page.seek(parting.tick));
+  byId("score").replaceChildren(make("b", { class: "pair-title" }, "Two games on one clock"), found, make("span", { class: "what" }, parting ? orderText(parting) : ""));
+  for (const [k, tape] of page.tapes.entries()) {
+    const { players } = tape.game.story;
+    const side = (camp: Camp) => make("span", { class: `side ${camp}`, title: players[camp].name }, badge(camp, camp[0].toUpperCase()), make("span", { class: "margin", id: `margin-${camp}-${k}` }));
+    const pick = make("button", { type: "button", class: "about", id: `pick-${k}`, title: "Show its pieces, log and policy (w)" }, make("bdi", {}, tape.name), make("small", {}, make("bdi", {}, players.red.name), " against ", make("bdi", {}, players.blue.name)));
+    pick.addEventListener("click", () => page.focus(k));
+    byId(`about-${k}`).replaceChildren(pick, side("red"), side("blue"), make("span", { class: "soft small", id: `result-${k}` }));
   }
+}
+
+function orderText(parting: Parting): string {
+  const parts = CAMPS.filter((camp) => parting.orders[camp] !== undefined).map((camp) => `${camp} from ${parting.orders[camp]}`);
+  return parts.length ? `other orders: ${parts.join(", ")}` : "";
 }
 
 function buildLayers(page: Page): void {

@@ -7,6 +7,8 @@ import type { View } from "./story";
 export const SPEEDS = [1, 2, 4, 8, 16, 32, 64];
 
 export interface Moment {
+  game?: number; // on a page of many
+  with?: number; // the game beside it
   t?: number;
   view?: View;
   pick?: string;
@@ -21,6 +23,10 @@ export function readMoment(hash: string): Moment {
   const tick = Number(found.get("t") ?? Number.NaN);
   const speed = Number(found.get("speed"));
   const view = found.get("view");
+  for (const name of ["game", "with"] as const) {
+    const number = Number(found.get(name));
+    if (Number.isInteger(number) && number > 0) moment[name] = number;
+  }
   if (Number.isFinite(tick) && tick >= 0) moment.t = Math.floor(tick);
   if (SPEEDS.includes(speed)) moment.speed = speed;
   if (view === "referee" || view === "red" || view === "blue") moment.view = view;
@@ -81,5 +87,8 @@ export const KEYS: [string, string][] = [
   ["s", "save a picture, a film or the events"],
   ["c", "copy a link to this moment"],
   ["/", "type: t 577, tank1, 0912, red, speed 8"],
+  ["a", "all games of the page"],
+  ["< >", "game before, game after"],
+  ["w", "of two games, the other one"],
   ["Esc", "let go of what is picked"],
 ];

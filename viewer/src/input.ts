@@ -4,35 +4,32 @@ import { SPEEDS, readCommand, readMoment } from "./commands";
 import { byId, say } from "./dom";
 import { cellName, centre } from "./hex";
 import { spoken } from "./log";
-import { DECISION, GAME, type Page } from "./page";
+import { DECISION, type Page } from "./page";
 import { ground } from "./piecespanel";
 import { openSaving } from "./save";
-import { viewsOf } from "./story";
 
 export function listen(page: Page): void {
   const clicks: Record<string, () => void> = {
     play: () => page.play(!page.playing), previous: () => page.step(-1), next: () => page.step(1), decision: () => page.decide(),
     speed: () => page.setSpeed(SPEEDS[(SPEEDS.indexOf(page.speed) + 1) % SPEEDS.length]), share: () => void page.share(), save: () => openSaving(page),
-    theme: () => page.setDark(!page.dark), help: () => byId<HTMLDialogElement>("keys").showModal(),
+    theme: () => page.setDark(!page.dark), "cover-theme": () => page.setDark(!page.dark), all: () => page.leave(), earlier: () => page.turn(-1), later: () => page.turn(1), help: () => byId<HTMLDialogElement>("keys").showModal(),
     closer: () => page.zoom(1.5), farther: () => page.zoom(1 / 1.5), whole: () => page.whole(),
   };
   for (const [id, act] of Object.entries(clicks)) byId(id).addEventListener("click", act);
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", (event) => page.setDark(event.matches));
   document.addEventListener("visibilitychange", () => document.hidden && page.playing && page.play(false));
-  window.addEventListener("hashchange", () => {
-    const moment = readMoment(location.hash);
-    page.go(moment);
-    if (moment.view && viewsOf(GAME).includes(moment.view)) void page.show(moment.view);
-    page.ask();
-  });
+  window.addEventListener("hashchange", () => void page.moveTo(readMoment(location.hash)));
   window.addEventListener("keydown", (event) => key(page, event));
   byId("command").addEventListener("blur", () => (byId("line").hidden = true));
-  listenMap(page);
+  listenMap(page, 0);
+  listenMap(page, 1);
   listenTimeline(page);
 }
 
-function listenMap(page: Page): void {
-  const canvas = byId<HTMLCanvasElement>("terrain");
+function listenMap(page: Page, k: number): void {
+  const canvas = byId<HTMLCanvasElement>(k > 0 ? `terrain-${k + 1}` : "terrain");
+  const stage = () => page.stages[k];
+  const game = () => page.tapes[k].game;
   const fingers = new Map<number, { x: number; y: number }>();
   let moved = 0;
   const place = (event: PointerEvent | WheelEvent) => {
@@ -41,26 +38,27 @@ function listenMap(page: Page): void {
   };
   canvas.addEventListener("wheel", (event) => {
     event.preventDefault();
-    page.stage.camera.zoom(Math.exp(-event.deltaY * 0.0016), place(event));
+    stage().camera.zoom(Math.exp(-event.deltaY * 0.0016), place(event));
     page.ask();
   }, { passive: false });
   canvas.addEventListener("pointerdown", (event) => {
     canvas.setPointerCapture(event.pointerId);
     fingers.set(event.pointerId, place(event));
     moved = 0;
+    page.focus(k);
   });
   canvas.addEventListener("pointermove", (event) => {
     const here = place(event);
     const last = fingers.get(event.pointerId);
-    if (!last) return hovered(page, here);
+    if (!last) return hovered(page, here, k);
     const others = [...fingers].filter(([id]) => id !== event.pointerId).map(([, at]) => at);
     moved += Math.hypot(here.x - last.x, here.y - last.y);
     if (others.length === 1) {
       const [a] = others;
-      page.stage.camera.zoom(Math.hypot(here.x - a.x, here.y - a.y) / Math.max(1, Math.hypot(last.x - a.x, last.y - a.y)), a);
+      stage().camera.zoom(Math.hypot(here.x - a.x, here.y - a.y) / Math.max(1, Math.hypot(last.x - a.x, last.y - a.y)), a);
     } else if (moved > 4) {
       page.follow = false;
-      page.stage.camera.pan(here.x - last.x, here.y - last.y);
+      stage().camera.pan(here.x - last.x, here.y - last.y);
     }
     fingers.set(event.pointerId, here);
     page.ask();
@@ -68,8 +66,8 @@ function listenMap(page: Page): void {
   const lift = (event: PointerEvent) => {
     const here = place(event);
     if (fingers.delete(event.pointerId) && moved <= 4 && event.type === "pointerup") {
-      const token = page.stage.tokenAt(here);
-      const cell = page.stage.cellAt(here, page.game);
+      const token = stage().tokenAt(here);
+      const cell = stage().cellAt(here, game());
       page.pick(token?.shown.piece ?? null, token ? -1 : cell);
     }
   };
@@ -82,13 +80,13 @@ function listenMap(page: Page): void {
   });
 }
 
-function hovered(page: Page, here: { x: number; y: number }): void {
-  const cell = page.stage.cellAt(here, page.game);
+function hovered(page: Page, here: { x: number; y: number }, k: number): void {
+  const cell = page.stages[k].cellAt(here, page.tapes[k].game);
   if (cell === page.hover) return;
   page.hover = cell;
   const { map } = page;
   const text = cell < 0 ? "" : `${cellName(map, cell)}  ${map.level[cell] * map.gradeM} m  ${ground(map.bits[cell])}`;
-  const token = page.stage.tokenAt(here);
+  const token = page.stages[k].tokenAt(here);
   say(byId("readout"), token ? `${spoken(token.shown.piece.name)}  ${text}` : text);
   if (page.picked || page.cell >= 0) page.ask();
 }
@@ -137,17 +135,18 @@ function key(page: Page, event: KeyboardEvent): void {
     else if (event.key === "Escape") byId("line").hidden = true;
     return;
   }
-  if (document.querySelector("dialog[open]")) return;
+  if (page.covered || document.querySelector("dialog[open]")) return;
   const acts: Record<string, () => void> = {
     " ": () => page.play(!page.playing), n: () => page.step(1), p: () => page.step(-1), d: () => page.decide(),
     ArrowRight: () => page.seek(page.time + (event.shiftKey ? DECISION : 1)), ArrowLeft: () => page.seek(page.time - (event.shiftKey ? DECISION : 1)),
-    Home: () => page.seek(0), End: () => page.seek(page.game.last), "[": () => page.faster(-1), "]": () => page.faster(1),
+    Home: () => page.seek(0), End: () => page.seek(page.last), "[": () => page.faster(-1), "]": () => page.faster(1),
     l: () => page.toggle("los"), r: () => page.toggle("ranges"), b: () => page.toggle("beliefs"), g: () => page.toggle("fog"),
     f: () => page.toggle("follow"), q: () => page.openTab("policy"), m: () => (page.muted = !page.muted), c: () => void page.share(), s: () => openSaving(page),
     x: () => (page.timeline.loop = null), "+": () => page.zoom(1.5), "=": () => page.zoom(1.5), "-": () => page.zoom(1 / 1.5), "0": () => page.whole(),
+    a: () => page.leave(), "<": () => page.turn(-1), ">": () => page.turn(1), w: () => page.focus(1 - page.active),
     "/": () => type(), "?": () => byId<HTMLDialogElement>("keys").showModal(), Escape: () => page.pick(null),
   };
-  viewsOf(GAME).forEach((view, k) => (acts[String(k + 1)] = () => void page.show(view)));
+  page.views.forEach((view, k) => (acts[String(k + 1)] = () => void page.show(view)));
   const act = acts[event.key];
   if (!act || (event.key === " " && event.target instanceof HTMLButtonElement)) return;
   event.preventDefault();

@@ -10,7 +10,7 @@ const FILMS = ["video/mp4;codecs=avc1", "video/webm;codecs=vp9", "video/webm"];
 
 /** The layers of the map on one canvas, with a caption. */
 function draw(page: Page, canvas: HTMLCanvasElement): void {
-  const layers = ["terrain", "fog", "marks", "pieces"].map((id) => byId<HTMLCanvasElement>(id));
+  const layers = page.stage.canvases;
   const scene = page.scene();
   const [width, height] = [layers[0].width, layers[0].height];
   const ctx = canvas.getContext("2d");

@@ -38,16 +38,34 @@ export class Stage {
   private timer = 0;
   private tokens: Token[] = [];
   private placed = ""; // camera of the last frame
+  private drawn = false; // the terrain, at all
 
+  /** k: 0 of the one game, or of the first; 1 of the game beside it, which is looked at through the same camera. */
   constructor(
     game: Game,
     private readonly redraw: () => void,
+    private readonly k = 0,
+    camera?: Camera,
   ) {
-    this.camera = new Camera(extent(game.map));
+    this.camera = camera ?? new Camera(extent(game.map));
     this.sight = new Sight(game.map, game.story.rules.air_height_m);
     this.terrain = new Terrain(game.map);
-    this.contexts = Object.fromEntries(LAYERS.map((id) => [id, context(byId<HTMLCanvasElement>(id))])) as typeof this.contexts;
+    this.contexts = Object.fromEntries(LAYERS.map((id) => [id, context(byId<HTMLCanvasElement>(id + this.suffix))])) as typeof this.contexts;
     knowBlood(game);
+  }
+
+  private get suffix(): string {
+    return this.k > 0 ? `-${this.k + 1}` : "";
+  }
+
+  /** The layers, the lowest first. */
+  get canvases(): HTMLCanvasElement[] {
+    return LAYERS.map((id) => this.contexts[id].canvas);
+  }
+
+  /** It draws no more: another game is shown. */
+  drop(): void {
+    window.clearTimeout(this.timer);
   }
 
   forget(): void {
@@ -56,7 +74,7 @@ export class Stage {
   }
 
   resize(ratio: number): void {
-    const { clientWidth, clientHeight } = byId("stage");
+    const { clientWidth, clientHeight } = byId(`stage${this.suffix}`);
     for (const id of LAYERS) {
       const canvas = this.contexts[id].canvas;
       canvas.width = Math.round(clientWidth * ratio);
@@ -112,7 +130,7 @@ export class Stage {
     const { camera, terrain } = this;
     if (!terrain.fits(camera)) {
       window.clearTimeout(this.timer);
-      if (this.contexts.terrain.canvas.dataset.drawn) {
+      if (this.drawn) {
         this.timer = window.setTimeout(() => {
           terrain.draw(camera, scene.ratio, scene.palette);
           this.placed = "";
@@ -120,7 +138,7 @@ export class Stage {
         }, SETTLES_MS);
       } else {
         terrain.draw(camera, scene.ratio, scene.palette);
-        this.contexts.terrain.canvas.dataset.drawn = "1";
+        this.drawn = true;
       }
     }
     terrain.blit(this.contexts.terrain, camera, scene.ratio);

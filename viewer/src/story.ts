@@ -1,6 +1,8 @@
 // Stories as Python writes them (docs/formats/story.md), and how they are unpacked and read.
 
+import type { ContentsDoc, EntryDoc } from "./contents";
 import type { MapDoc } from "./hex";
+import { unwoven } from "./packed";
 
 export type Camp = "red" | "blue";
 export type View = "referee" | Camp;
@@ -104,6 +106,8 @@ export interface StoryDoc {
   rewards?: [number, Camp, Record<string, number>][];
 }
 
+export type SetupDoc = Pick<StoryDoc, "scenario" | "map" | "game_ticks" | "net_score" | "roster" | "points">;
+
 /** Number of the last change at or before a tick; -1 before the first. */
 export function changeAt(list: Changes<unknown>, tick: number): number {
   let low = 0;
@@ -137,6 +141,13 @@ function block(id: string): string | null {
   return document.getElementById(id)?.textContent ?? null;
 }
 
+/** The contents of a page of many games; null on the page of one. */
+export async function loadContents(): Promise<ContentsDoc | null> {
+  const packed = block("contents");
+  return packed === null ? null : unpack<ContentsDoc>(packed);
+}
+
+/** The views of the one game of a page. */
 export function viewsOf(game: number): View[] {
   const found = (["referee", ...CAMPS] as View[]).filter((view) => block(`story-${game}-${view}`) !== null);
   return found;
@@ -144,6 +155,19 @@ export function viewsOf(game: number): View[] {
 
 export async function loadMap(key: string): Promise<MapDoc> {
   return unpack<MapDoc>(block(`map-${key}`) ?? "");
+}
+
+export function loadSetup(key: string): Promise<SetupDoc> {
+  return unpack<SetupDoc>(block(`setup-${key}`) ?? "");
+}
+
+/** A story of a page of many: its game is one block with all views. */
+export async function loadClip(game: number, entry: EntryDoc, view: View): Promise<StoryDoc> {
+  const [woven, setup, rules] = await Promise.all([`game-${game}`, `setup-${entry.setup}`, `rules-${entry.rules}`].map((id) => unpack<never>(block(id) ?? "")));
+  const shared = { ...(setup as object), rules, players: entry.players };
+  const story = unwoven(woven, view, shared);
+  if (story.with === undefined) return withPolicy(story);
+  return together(story, story.with.map((camp) => withPolicy(unwoven(woven, camp, shared))));
 }
 
 export async function loadStory(game: number, view: View): Promise<StoryDoc> {

@@ -13,6 +13,8 @@ const NAMES: Record<string, string> = {
   miss: "shot", hit: "shot with loss", dead: "death", point: "capture", sight: "first sight", refused: "refused order", round: "mortar",
 };
 
+type Curves = Partial<Record<Camp, Changes<number>>>;
+
 export class Timeline {
   loop: [number, number] | null = null;
   hover = -1;
@@ -20,16 +22,17 @@ export class Timeline {
   private back = document.createElement("canvas");
   private key = "";
 
-  constructor(
-    readonly canvas: HTMLCanvasElement,
-    private curves: Partial<Record<Camp, Changes<number>>>,
-    private entries: Entry[],
-    private last: number,
-    private gameTicks: number,
-  ) {}
+  private curves: Curves = {};
+  private beside: Curves = {}; // of the game that this one is compared with
+  private entries: Entry[] = [];
+  private last = 0;
+  private gameTicks = 1;
+  private parting = -1; // tick at which the two part; -1 none
 
-  show(curves: Partial<Record<Camp, Changes<number>>>, entries: Entry[], last: number): void {
-    [this.curves, this.entries, this.last, this.key] = [curves, entries, last, ""];
+  constructor(readonly canvas: HTMLCanvasElement) {}
+
+  show(curves: Curves, entries: Entry[], last: number, gameTicks: number, beside: Curves, parting: number): void {
+    Object.assign(this, { curves, entries, last, gameTicks, beside, parting, key: "" });
   }
 
   x(tick: number): number {
@@ -93,7 +96,7 @@ export class Timeline {
     ctx.setTransform(ratio, 0, 0, ratio, 0, 0);
     ctx.clearRect(0, 0, width, height);
     const bottom = height - 14 - 2 * LANE - 2;
-    const values = CAMPS.flatMap((camp) => (this.curves[camp] ?? []).filter((_, k) => k % 2 === 1)) as number[];
+    const values = CAMPS.flatMap((camp) => [this.curves, this.beside].flatMap((curves) => (curves[camp] ?? []).filter((_, k) => k % 2 === 1))) as number[];
     const [low, high] = [Math.min(0, ...values) - 8, Math.max(0, ...values) + 8];
     const y = (value: number) => 6 + ((high - value) / (high - low)) * (bottom - 10);
     this.axes(ctx, width, height, y, [low, high], palette);
@@ -101,7 +104,9 @@ export class Timeline {
       ctx.fillStyle = fade(palette.warn, 0.22);
       ctx.fillRect(this.x(this.loop[0]), 0, this.x(this.loop[1]) - this.x(this.loop[0]), height - 14);
     }
-    for (const camp of CAMPS) this.curve(ctx, camp, y, palette);
+    for (const camp of CAMPS) this.curve(ctx, this.beside[camp], camp, y, fade(palette.camp[camp], 0.5), 1.2);
+    for (const camp of CAMPS) this.curve(ctx, this.curves[camp], camp, y, palette.text[camp], 2.2);
+    if (this.parting >= 0) this.part(ctx, bottom, palette);
     CAMPS.forEach((camp, k) => this.lane(ctx, camp, bottom + 2 + k * LANE, palette, muted));
   }
 
@@ -124,8 +129,17 @@ export class Timeline {
     }
   }
 
-  private curve(ctx: CanvasRenderingContext2D, camp: Camp, y: (v: number) => number, palette: Palette): void {
-    const list = this.curves[camp];
+  /** Where two games part. */
+  private part(ctx: CanvasRenderingContext2D, bottom: number, palette: Palette): void {
+    const x = this.x(this.parting);
+    line(ctx, x, 0, bottom, palette.warn, 2);
+    ctx.textAlign = "left";
+    ctx.font = "600 11px system-ui, sans-serif";
+    ctx.fillStyle = palette.ink;
+    ctx.fillText("they part", x + 9, 9);
+  }
+
+  private curve(ctx: CanvasRenderingContext2D, list: Changes<number> | undefined, camp: Camp, y: (v: number) => number, colour: string, width: number): void {
     if (!list) return;
     ctx.beginPath();
     for (let k = 0; k < list.length; k += 2) {
@@ -138,9 +152,9 @@ export class Timeline {
     }
     ctx.lineTo(this.x(this.last), y(list[list.length - 1]));
     ctx.lineJoin = "round";
-    ctx.lineWidth = 2.2;
+    ctx.lineWidth = width;
     ctx.setLineDash(camp === "blue" ? [7, 3] : []);
-    ctx.strokeStyle = palette.text[camp];
+    ctx.strokeStyle = colour;
     ctx.stroke();
     ctx.setLineDash([]);
   }
