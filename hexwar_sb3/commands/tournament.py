@@ -40,9 +40,8 @@ class Tournament:
     mirror: bool = False  # each player also meets itself
     jobs: int = 1  # matches side by side
     record: bool = True  # write down the median game of each match
-    output: Path = Path(
-        "tournament"
-    )  # folder: matches/, games/, league.html, table.txt, table.json, tournament.png
+    # folder: matches/, games/, league.html, table.txt, table.json, tournament.png
+    output: Path = Path("tournament")
     json: Json = False
 
     def run(self) -> int:

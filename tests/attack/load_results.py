@@ -82,6 +82,7 @@ def tournament_attempt(root: Path) -> Attempt:
 
     def attempt(folder: Path) -> None:
         from hexwar_sb3.commands.tournament import in_words
+        from hexwar_sb3.evaluation.played import read_matches
 
         table = valid.play_tournament(folder)
         for path in folder.glob("*.json"):
@@ -101,6 +102,9 @@ def tournament_attempt(root: Path) -> Attempt:
                     )
                 elif key != "software":
                     check_said(value, row[key], f"{key}.")
+        for meeting, row in read_matches(folder).rows.items():
+            for camp in ("red", "blue"):
+                check_said(row[camp], {name: table.rows[meeting][camp][name] for name in row[camp]}, f"{camp}.")
         table.ratings()
         in_words(table, ["MA1", "MA2"]).encode()
 
@@ -153,6 +157,8 @@ def league_attempt(root: Path) -> Attempt:
             said(league.table(k).read_bytes())
             check({camp: [one.name for one in kept[camp]] for camp in kept} == good[k], "others were kept")
             act(partial(in_words, league, k)).encode()
+            rates = act(partial(league.red_win_rates, k))
+            check(all(0.0 <= rate <= 1.0 for rate in rates.values()), f"rates {rates!r:.80}")
             for members in league.models(k).values():
                 for member in members:
                     member.policy()
