@@ -104,7 +104,9 @@ def tournament_attempt(root: Path) -> Attempt:
                     check_said(value, row[key], f"{key}.")
         for meeting, row in read_matches(folder).rows.items():
             for camp in ("red", "blue"):
-                check_said(row[camp], {name: table.rows[meeting][camp][name] for name in row[camp]}, f"{camp}.")
+                check_said(
+                    row[camp], {name: table.rows[meeting][camp][name] for name in row[camp]}, f"{camp}."
+                )
         table.ratings()
         in_words(table, ["MA1", "MA2"]).encode()
 
