@@ -35,7 +35,7 @@ class SelfPlay:
     keep: int = 4  # models that are kept, each of which trains; if split, of each colour, and all pairs train
     split: bool = False  # red and blue models of their own, as in the paper; else each plays both camps
     games: int = 3_200  # that each model of a group learns from
-    match_games: int = 60  # of each pairing in the round robin
+    match_games: int = 100  # of each pairing in the round robin
     warm_up_games: int = 200  # of each model to begin with against each opponent, to order them
     # bots and HRL0, NAME or NAME=WEIGHT, met in training and in the round robin; else those of `hexwar train`
     opponents: tuple[str, ...] | None = None

@@ -159,7 +159,7 @@ def test_cai_is_the_student_that_does_best(pipeline: Table1, monkeypatch: pytest
             return rank(self, models, k, folder, jobs)
         assert (k, [list(own) for own in models.values()]) == (2, 2 * [["both-0", "both-1"]])
         rows = [
-            {"name": name, "win_rate": rate, "mean_margin": 0.0}
+            {"name": name, "score": rate, "mean_margin": 0.0}
             for name, rate in (("both-0", 0.4), ("both-1", 0.6))
         ]
         return {"red": rows, "blue": rows}

@@ -408,7 +408,7 @@ BROKEN: dict[str, tuple[Callable[[dict[str, Any]], object], str]] = {
     ),
     "a list for settings": (
         lambda head: head.update(settings=[1]),
-        r"format: found 'hexwar league 3' with \[1\]",
+        r"format: found 'hexwar league 4' with \[1\]",
     ),
 }
 
