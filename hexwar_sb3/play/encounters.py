@@ -51,7 +51,7 @@ class Encounters:
         Args:
             opponent: its place.
             win: of the learner.
-            member: of a family, which is remembered until it loses; 0: of none.
+            member: of a family, which is remembered while it wins; 0: of none.
         """
         self.games[opponent] += 1
         known = self.beaten_by[opponent]

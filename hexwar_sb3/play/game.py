@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from typing import cast
-
-import numpy as np
 
 from hexwar_sb3.checks import check_whole
 from hexwar_sb3.engine import game as by_orders
@@ -16,17 +14,15 @@ from hexwar_sb3.engine.game_events import GameEvent
 from hexwar_sb3.engine.orders import Order
 from hexwar_sb3.engine.roster import camp_name, parse_camp
 from hexwar_sb3.errors import ConfigError
+from hexwar_sb3.kernels import Row
 from hexwar_sb3.maps.scenario import ScenarioLike
 from hexwar_sb3.play.arena import Arena
 from hexwar_sb3.play.decisions import DecisionLog
-from hexwar_sb3.play.drive import make_step, next_decision, note_due, take_turn
-from hexwar_sb3.play.records import STEPS, WAITS
+from hexwar_sb3.play.recording import play_turn
 from hexwar_sb3.players.player import Seat, make_player, seat_name
 from hexwar_sb3.players.terms import trained_terms
 from hexwar_sb3.rules import RuleSet
 from hexwar_sb3.rules.enums import Camp
-
-_GAME = np.zeros(1, np.int64)  # the one of the arena
 
 
 class Game(by_orders.Game):
@@ -45,7 +41,7 @@ class Game(by_orders.Game):
 
     Raises:
         UnknownNameError: no such scenario, opponent or camp.
-        ConfigError: the opponent is for other pieces, tasks or features.
+        ConfigError: the opponent is for other pieces, tasks or features; from `submit`, the camp is the opponent's.
 
     Example:
         >>> game = Game("plain", seed=0, opponent="MA2", side="red")
@@ -81,29 +77,12 @@ class Game(by_orders.Game):
         arena.leave(0, self.side)
         return arena
 
-    def submit(
-        self, camp: str, orders: Order | str | Iterable[Order | str], *, strict: bool | None = None
-    ) -> list[str | None]:
-        """Give orders for the current tick; a later order for a piece replaces its earlier one.
-
-        Args:
-            camp: whose orders they are; not the opponent's.
-            orders: one, or several; as objects or as text, in which a line or ";" ends an order.
-            strict: an illegal order raises, and none is taken. If not, it is taken as null and noted in the
-                replay: without a word if False, with an `IllegalOrderWarning` if nothing is said.
-
-        Returns:
-            For each order why it will be refused, or None.
-
-        Raises:
-            ConfigError: the camp is the opponent's.
-            OrderError, UnknownNameError: an order that cannot be read or (`strict`) is illegal; then none is taken.
-        """
-        if self._seat is not None and parse_camp(camp) != self.side:
+    def _write(self, camp: Camp, order: Order, row: Row) -> int:
+        if self._seat is not None and camp != self.side:
             raise ConfigError(
-                f"{seat_name(self._seat)} gives the orders of {camp}; expected orders for {camp_name(self.side)}"
+                f"{seat_name(self._seat)} gives the orders of {camp_name(camp)}; expected orders for {camp_name(self.side)}"
             )
-        return super().submit(camp, orders, strict=strict)
+        return super()._write(camp, order, row)
 
     def advance(self, ticks: int = 1) -> list[GameEvent]:
         """Play so many ticks, at most to the end of the game; an opponent plays them too.
@@ -119,34 +98,10 @@ class Game(by_orders.Game):
         until = min(self.tick + check_whole("ticks", ticks, least=0), int(self._row.end_tick))
         events = list[GameEvent]()
         while self.tick < until and not self.over:
-            events += self._take_turn(until)
+            tick = self.tick
+            events += play_turn(self._arena, self.recorder, self._decisions, until, self._given)
+            self._given = self._given if self.tick == tick else {}
         self.recorder.note_states(self.state, 0, self.tick)
-        return events
-
-    def _take_turn(self, until: int) -> list[GameEvent]:
-        """Let the opponent act, then make a step or, where nobody has an order, jump to where something is due."""
-        arena, world, tick = self._arena, self.world, self.tick
-        game, pieces, memory, paths, rounds, orders, log = self.state.game(0)
-        drive, missions, brains = arena.drives[0], arena.missions[0], arena.brains[0]
-        rules, atlas = world.rules[0], arena.atlas[0]
-        self._decisions.ask()
-        decides = next_decision(drive, game)
-        turn = take_turn(
-            min(until, decides), drive, game, pieces, memory, paths, rounds, orders, missions, brains,
-            rules, world.cells, world.los, world.eta, atlas, arena.nets,
-        )  # fmt: skip
-        if turn == WAITS:
-            arena.answer(_GAME)
-            return []
-        for line in self._decisions.lines(tick):
-            self.recorder.note_line(self.state, 0, line)
-        events = list[GameEvent]()
-        if turn == STEPS:
-            self.recorder.before_step(self.state, 0, self._given)
-            make_step(drive, game, pieces, memory, paths, rounds, orders, log, rules, world.cells, world.los)
-            events, self._given = self.recorder.after_step(self.state, 0), {}
-        if turn == STEPS or self.tick == decides:
-            note_due(drive, game, missions)
         return events
 
     def copy(self) -> Game:

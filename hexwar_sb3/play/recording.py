@@ -9,6 +9,8 @@ import numpy as np
 
 from hexwar_sb3.bots.config import bots_hash
 from hexwar_sb3.engine.game import LOG_ROWS
+from hexwar_sb3.engine.game_events import GameEvent
+from hexwar_sb3.engine.orders import Order
 from hexwar_sb3.engine.record import Recorder
 from hexwar_sb3.engine.replay import PlayerName, Replay
 from hexwar_sb3.engine.state import new_state
@@ -20,6 +22,8 @@ from hexwar_sb3.play.records import STEPS, WAITS
 from hexwar_sb3.play.seeds import check_seed, game_seed
 from hexwar_sb3.players.player import BotPlayer, Seat, make_player
 from hexwar_sb3.players.terms import USUAL, Terms
+
+_GAME = np.zeros(1, np.int64)  # the one of the arena
 
 
 def record_game(
@@ -59,40 +63,60 @@ def record_game(
     dice_seed = game_seed(check_seed(seed), episode)
     arena.begin(0, dice_seed, *seats)
     recorder, decisions = Recorder(world), DecisionLog(arena)
-    while not arena.state.games[0].over:
-        decisions.ask()
-        _advance(arena, recorder, decisions)
-        arena.answer(np.zeros(1, np.int64))
+    game = arena.state.games[0]
+    while not game.over:
+        play_turn(arena, recorder, decisions, int(game.end_tick))
     told = [_name(player, seat) for player, seat in zip((red, blue), seats, strict=True)]
     if names is not None:
         told = [replace(one, name=name) for one, name in zip(told, names, strict=True)]
     return Replay.recorded(recorder, arena.state, 0, dice_seed, told[0], told[1], command)
 
 
-def _advance(arena: Arena, recorder: Recorder, decisions: DecisionLog) -> None:
-    """Do what `advance_game` does, with both looking on."""
+def play_turn(
+    arena: Arena,
+    recorder: Recorder,
+    decisions: DecisionLog,
+    until: int,
+    given: dict[int, Order] | None = None,
+) -> list[GameEvent]:
+    """Let the camps act, then make a step or, where nobody has an order, jump to where something is due.
+
+    It does what `advance_game` does in one turn, with both looking on.
+
+    Args:
+        arena: of one game, which is not over.
+        recorder: of it.
+        decisions: of it.
+        until: tick at which a jump ends at the latest.
+        given: orders that somebody wrote into the state, by piece.
+
+    Returns:
+        What happened in the step, in order; nothing where there was none.
+    """
     world, state = arena.world, arena.state
     game, pieces, memory, paths, rounds, orders, log = state.game(0)
     drive, missions, brains = arena.drives[0], arena.missions[0], arena.brains[0]
     rules, atlas = world.rules[0], arena.atlas[0]
-    until = next_decision(drive, game)
-    while not game.over and game.tick < until:
-        tick = int(game.tick)
-        turn = take_turn(
-            until, drive, game, pieces, memory, paths, rounds, orders, missions, brains,
-            rules, world.cells, world.los, world.eta, atlas, arena.nets,
-        )  # fmt: skip
-        if turn == WAITS:
-            return
-        for line in decisions.lines(tick):
-            recorder.note_line(state, 0, line)
-        if turn == STEPS:
-            recorder.before_step(state, 0)
-            make_step(drive, game, pieces, memory, paths, rounds, orders, log, rules, world.cells, world.los)
-            recorder.after_step(state, 0)
-            if note_due(drive, game, missions):
-                return
-    note_due(drive, game, missions)
+    tick = int(game.tick)
+    decisions.ask()
+    decides = next_decision(drive, game)
+    turn = take_turn(
+        min(until, decides), drive, game, pieces, memory, paths, rounds, orders, missions, brains,
+        rules, world.cells, world.los, world.eta, atlas, arena.nets,
+    )  # fmt: skip
+    if turn == WAITS:
+        arena.answer(_GAME)
+        return []
+    for line in decisions.lines(tick):
+        recorder.note_line(state, 0, line)
+    events = list[GameEvent]()
+    if turn == STEPS:
+        recorder.before_step(state, 0, given)
+        make_step(drive, game, pieces, memory, paths, rounds, orders, log, rules, world.cells, world.los)
+        events = recorder.after_step(state, 0)
+    if turn == STEPS or game.tick == decides:
+        note_due(drive, game, missions)
+    return events
 
 
 def _name(player: object, seat: Seat) -> PlayerName:

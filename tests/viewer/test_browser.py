@@ -21,7 +21,7 @@ from hexwar_sb3.viewer.story import CAMPS, VIEWS
 VIEWER = Path(__file__).parents[2] / "viewer"
 CHROMIUM = os.environ.get("CHROMIUM") or shutil.which("chromium") or shutil.which("chromium-browser")
 NODE = shutil.which("node")
-PARTED_AT = 150  # tick of a decision of both camps
+PARTED_AT = 150  # tick
 
 pytestmark = [
     pytest.mark.browser,
@@ -136,7 +136,7 @@ def test_pages_of_many_games_lead_to_their_games(replay: Replay, tmp_path: Path)
     result = subprocess.run(
         ["node", "e2e/many.mjs", *(str(tmp_path / f"{kind}.html") for kind in covers)],
         cwd=VIEWER,
-        env={**os.environ, "CHROMIUM": str(CHROMIUM), "PARTING": str(PARTED_AT)},
+        env={**os.environ, "CHROMIUM": str(CHROMIUM), "PARTING": str(first_orders(replay))},
         capture_output=True,
         text=True,
         check=False,
@@ -147,10 +147,17 @@ def test_pages_of_many_games_lead_to_their_games(replay: Replay, tmp_path: Path)
 
 
 def parted(replay: Replay) -> Replay:
-    """The same game until a tick, from which on red gives no orders."""
+    """The same game until a tick, from which on nobody gives orders."""
     game = replay.game_at(PARTED_AT)
     game.advance(300)
     return Replay.of(game)
+
+
+def first_orders(replay: Replay) -> int:
+    """Tick of the first orders that the parted game lacks."""
+    return min(
+        line["tick"] for line in replay.lines if line["type"] == "orders" and line["tick"] >= PARTED_AT
+    )
 
 
 @pytest.mark.slow
