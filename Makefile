@@ -66,11 +66,13 @@ test-viewer: setup viewer
 	git diff --exit-code hexwar_sb3/viewer/built
 	SPEED=yes $(BIN)/python -m pytest -q -m browser tests/viewer
 
-# docs/features.md is the feature table of the code; the tables of docs/rules.md are its rule tables.
+# docs/features.md is the feature table of the code; the tables of docs/rules.md are its rule tables,
+# and the server of `hexwar play` has all of it as a page.
 docs: setup
 	printf '# Features\n\nMade by `make docs` from the table in hexwar_sb3/tasks/features.py.\n\n' > docs/features.md
 	$(BIN)/python -c "from hexwar_sb3.tasks.features import markdown; print(markdown(), end='')" >> docs/features.md
 	$(BIN)/python -c "import pathlib; from hexwar_sb3.rules.page import filled; page = pathlib.Path('docs/rules.md'); page.write_text(filled(page.read_text('utf-8')), 'utf-8')"
+	$(BIN)/python -m hexwar_sb3.server.rule_book docs/rules.md
 
 # The guide, the notebooks as they were committed, and the public names, into site/; what is broken or undocumented ends it.
 site: setup

@@ -238,9 +238,7 @@ def _free_at(row: Row, tick: int) -> int:
     return max(int(end) for end in ends if end != NEVER)
 
 
-def _watched(
-    i: PieceIndex, cells: tuple[CellIndex, ...], game: Game, camp: Camp
-) -> Iterator[list[object]]:
+def _watched(i: PieceIndex, cells: tuple[CellIndex, ...], game: Game, camp: Camp) -> Iterator[list[object]]:
     """`[cell, enemies]`: known enemies that would see the piece in a cell of its way."""
     known, tables = remembered(camp, game.state, game.world), game.world.tables
     walker = known[i]

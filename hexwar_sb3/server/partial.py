@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any, Literal, TypeAlias
 
 from hexwar_sb3.errors import BusyError, ConfigError, ReplayFileError
-from hexwar_sb3.files import fcntl
+from hexwar_sb3.files import held
 from hexwar_sb3.kinds import read_fields
 from hexwar_sb3.maps.document import shown
 from hexwar_sb3.reading import parse_json, read_bytes
@@ -78,11 +78,9 @@ class Partial:
     def __init__(self, path: Path, flags: int) -> None:
         self.path = path
         self._handle = os.open(path, flags | os.O_RDWR | getattr(os, "O_BINARY", 0), 0o666)
-        try:
-            _hold(self._handle, path)
-        except BusyError:
+        if not held(self._handle):
             os.close(self._handle)
-            raise
+            raise BusyError(f"{path} is being played by another process; expected one at a time")
 
     @classmethod
     def begin(cls, path: Path, head: Head) -> Partial:
@@ -95,8 +93,10 @@ class Partial:
         try:
             partial = cls(path, os.O_CREAT | os.O_EXCL)
         except FileExistsError as error:
-            raise ConfigError(f"{path} is there already; go on with --resume, or name another game") from error
-        partial._append({"type": "head", "format": FORMAT, "version": FORMAT_VERSION} | asdict(head))  # noqa: SLF001
+            raise ConfigError(
+                f"{path} is there already; go on with --resume, or name another game"
+            ) from error
+        partial._append({"type": "head", "format": FORMAT, "version": FORMAT_VERSION} | asdict(head))
         return partial
 
     @classmethod
@@ -111,8 +111,8 @@ class Partial:
         head, *lines = [_parsed(line, n, path) for n, line in enumerate(whole.splitlines(), start=1)] or [{}]
         found = _head(head, path), [_line(line, n, path) for n, line in enumerate(lines, start=2)]
         partial = cls(path, 0)
-        os.ftruncate(partial._handle, len(whole))  # noqa: SLF001 - of the same class
-        os.lseek(partial._handle, 0, os.SEEK_END)  # noqa: SLF001
+        os.ftruncate(partial._handle, len(whole))
+        os.lseek(partial._handle, 0, os.SEEK_END)
         return partial, *found
 
     def write(self, line: Line) -> None:
@@ -137,15 +137,6 @@ class Partial:
         self.path.unlink(missing_ok=True)
 
 
-def _hold(handle: int, path: Path) -> None:
-    if fcntl is None:
-        return
-    try:
-        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except OSError as error:
-        raise BusyError(f"{path} is being played by another process; expected one at a time") from error
-
-
 def _parsed(data: bytes, number: int, path: Path) -> dict[str, Any]:
     value = parse_json(data, path, "an object", ReplayFileError, f"line {number}")
     if not isinstance(value, dict):
@@ -156,9 +147,7 @@ def _parsed(data: bytes, number: int, path: Path) -> dict[str, Any]:
 def _head(values: dict[str, Any], path: Path) -> Head:
     for name, value in (("type", "head"), ("format", FORMAT), ("version", FORMAT_VERSION)):
         if values.get(name) != value:
-            raise ReplayFileError(
-                path, f"head.{name}", found=shown(values.get(name)), expected=shown(value)
-            )
+            raise ReplayFileError(path, f"head.{name}", found=shown(values.get(name)), expected=shown(value))
     rest = {name: value for name, value in values.items() if name not in ("type", "format", "version")}
     return Head(**read_fields(Head, rest, path, ReplayFileError, "head", whole=True))
 
@@ -166,7 +155,9 @@ def _head(values: dict[str, Any], path: Path) -> Head:
 def _line(values: dict[str, Any], number: int, path: Path) -> Line:
     place, kind = f"line {number}", values.get("type")
     if not isinstance(kind, str) or kind not in _LINES:
-        raise ReplayFileError(path, f"{place}.type", found=shown(kind), expected=f"one of {', '.join(_LINES)}")
+        raise ReplayFileError(
+            path, f"{place}.type", found=shown(kind), expected=f"one of {', '.join(_LINES)}"
+        )
     rest = {name: value for name, value in values.items() if name != "type"}
     line = _LINES[kind](**read_fields(_LINES[kind], rest, path, ReplayFileError, place, whole=True))
     if isinstance(line, OrdersLine | ClockLine):

@@ -14,7 +14,7 @@ from hexwar_sb3.engine.pieces import has_path
 from hexwar_sb3.engine.roster import Roster, parse_camp
 from hexwar_sb3.errors import OrderError
 from hexwar_sb3.kernels import Row
-from hexwar_sb3.rules.indices import CellIndex
+from hexwar_sb3.rules.indices import CellIndex, PieceIndex
 from hexwar_sb3.server.steps import MOST_STEPS, Go, Step, read_steps
 from hexwar_sb3.server.ways import find_way, move_along
 
@@ -139,12 +139,15 @@ class PersonSeat:
 
     def tray(self) -> dict[str, str]:
         """Orders that are given in the next tick, by piece."""
-        return {piece: str(plan.order) for piece, plan in sorted(self.plans.items()) if plan.order is not None}
+        return {
+            piece: str(plan.order) for piece, plan in sorted(self.plans.items()) if plan.order is not None
+        }
 
     def told(self) -> dict[str, list[str]]:
         """What comes after them, by piece; a waypoint stands there until the piece has arrived."""
         waiting = {
-            piece: plan.steps if plan.order is None else _rest(plan.steps) for piece, plan in self.plans.items()
+            piece: plan.steps if plan.order is None else _rest(plan.steps)
+            for piece, plan in self.plans.items()
         }
         return {piece: list(map(str, steps)) for piece, steps in sorted(waiting.items()) if steps}
 
@@ -221,7 +224,7 @@ class PersonSeat:
         way = find_way(i, here, goal, self.game.world)
         return move_along(way, step.piece, self.roster, int(self.game.world.rules[0].path_limit))
 
-    def _own(self, piece: str) -> int:
+    def _own(self, piece: str) -> PieceIndex:
         i = self.roster.own_index(self.camp, piece)
         if self.roster.short(i) != piece:
             raise OrderError(f"{piece!r}: expected the name of an own piece without its camp, like tank0")

@@ -279,6 +279,12 @@ class Session:
         own = [line for line in lines[n_lines:] if line["type"] == "orders" and line["camp"] == self.camp]
         return [Refused(text.split()[0], text, why) for line in own for text, why in line["refused"]]
 
+    def close(self) -> None:
+        """Stop the clock; the file is kept, and free for who goes on."""
+        self.clock.stop()
+        if self.record is not None:
+            self.record.close()
+
     # --- the files -------------------------------------------------------------------------------
 
     @property
@@ -344,7 +350,9 @@ class Session:
                 self.seat.restore(plans)
             except HexWarError as error:
                 expected = "a line that can be played"
-                raise ReplayFileError(source, f"line {number}", found=str(error), expected=expected) from error
+                raise ReplayFileError(
+                    source, f"line {number}", found=str(error), expected=expected
+                ) from error
         self._watcher = Watcher(self._teller.view, self.seat.plans)
         self._told = self._story()
         if self.game.over:
