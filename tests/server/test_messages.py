@@ -21,7 +21,7 @@ from hexwar_sb3.server.messages import (
     read_question,
 )
 
-PAGE = (Path(__file__).parents[2] / "docs" / "formats" / "play.md").read_text(encoding="utf-8")
+PAGE = (Path(__file__).parents[2] / "docs/formats/play.md").read_text(encoding="utf-8")
 Bad = Callable[[Any], Iterator[bytes]]
 
 

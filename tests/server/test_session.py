@@ -32,7 +32,7 @@ from hexwar_sb3.server.messages import (
 from hexwar_sb3.server.session import READS, Session, Setup
 from hexwar_sb3.viewer import stories
 
-PAGE = (Path(__file__).parents[2] / "docs" / "formats" / "play.md").read_text(encoding="utf-8")
+PAGE = (Path(__file__).parents[2] / "docs/formats/play.md").read_text(encoding="utf-8")
 Json = dict[str, Any]
 Begin = Callable[..., Session]
 
