@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import re
 import socket
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager, suppress
@@ -168,9 +169,8 @@ class Server:
         replay = self.session.replay
         if replay is None:
             return refused(403)
-        headers = plain_headers() | {
-            "content-disposition": f'attachment; filename="{self.session.file.name}"'
-        }
+        name = re.sub(r"[^\w.-]", "_", self.session.file.name, flags=re.ASCII)
+        headers = plain_headers() | {"content-disposition": f'attachment; filename="{name}"'}
         return Response(packed_lines(replay.lines), media_type="application/octet-stream", headers=headers)
 
     async def _socket(self, websocket: WebSocket) -> None:

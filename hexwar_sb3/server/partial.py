@@ -112,7 +112,6 @@ class Partial:
         found = _head(head, path), [_line(line, n, path) for n, line in enumerate(lines, start=2)]
         partial = cls(path, 0)
         os.ftruncate(partial._handle, len(whole))
-        os.lseek(partial._handle, 0, os.SEEK_END)
         return partial, *found
 
     def write(self, line: Line) -> None:
@@ -121,9 +120,14 @@ class Partial:
 
     def _append(self, values: Mapping[str, Any]) -> None:
         data = json.dumps(values, separators=(",", ":"), ensure_ascii=False).encode() + b"\n"
-        while data:
-            data = data[os.write(self._handle, data) :]
-        os.fsync(self._handle)
+        size = os.lseek(self._handle, 0, os.SEEK_END)
+        try:
+            while data:
+                data = data[os.write(self._handle, data) :]
+            os.fsync(self._handle)
+        except OSError:  # a full disk: half a line would spoil those that follow
+            os.ftruncate(self._handle, size)
+            raise
 
     def close(self) -> None:
         """Let others have it."""

@@ -33,6 +33,13 @@ FLOOD, BUSY = 1008, 1013  # reasons to close a socket
 Json = dict[str, Any]
 
 
+Failure = (HexWarError, OSError)  # OSError: what is to be kept cannot be written
+
+
+def _refusal(number: int | None, error: Exception) -> Json:
+    return {"say": "refusal", "to": number, "why": str(error)[:MOST_SAID]}
+
+
 class Socket(Protocol):
     """What a room needs of a WebSocket."""
 
@@ -46,15 +53,21 @@ class Socket(Protocol):
 class Visitor:
     """One socket: whether it commands, and how much it asks."""
 
+    gone = False  # it takes no more messages; what is left of it ends by its pings
+
     def __init__(self, socket: Socket, role: str) -> None:
         self.socket, self.role = socket, role
         self._asked: deque[float] = deque(maxlen=MOST_MESSAGES)
 
     async def say(self, message: Json) -> None:
-        """Send a message; one that cannot be sent is lost with the socket."""
+        """Send a message; one that cannot be sent is the last."""
+        if self.gone:
+            return
         text = json.dumps(message, separators=(",", ":"), ensure_ascii=False)
-        with suppress(Exception):  # whatever a closed socket raises, its reader ends, too
+        try:
             await asyncio.wait_for(self.socket.send_text(text), SEND_SECONDS)
+        except Exception:  # noqa: BLE001  # whatever a closed socket raises, its reader ends, too
+            self.gone = True
 
     def floods(self) -> bool:
         """Count a message; whether there were too many in the last second."""
@@ -115,8 +128,8 @@ class Room:
             question = read_question(message)
             async with self._lock:
                 await self._answer(visitor, number, question)
-        except HexWarError as error:
-            await visitor.say({"say": "refusal", "to": number, "why": str(error)[:MOST_SAID]})
+        except Failure as error:
+            await visitor.say(_refusal(number, error))
 
     async def _answer(self, visitor: Visitor, number: int | None, question: Question) -> None:
         fields, changed = await asyncio.to_thread(self.session.answer, question, visitor.role)
@@ -160,7 +173,12 @@ class Room:
 
     async def _play(self, told_at: float) -> None:
         """Play the next ticks; they are told at a time that does not tell how long they took."""
-        now = await asyncio.to_thread(self.session.advance)
+        try:
+            now = await asyncio.to_thread(self.session.advance)
+        except Failure as error:  # nothing is told of ticks that are not kept
+            self.session.clock.stop()
+            await self._tell_all(_refusal(None, error))
+            return
         await asyncio.sleep(max(0.0, told_at - asyncio.get_running_loop().time()))
         await self._tell_all(now)
         if self.session.replay is not None:

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path as File
 from typing import Any
 
+from hexwar_sb3.engine.orders import Order
 from hexwar_sb3.engine.replay import PlayerName, Replay
 from hexwar_sb3.engine.roster import camp_name, enemy_of
 from hexwar_sb3.errors import ConfigError, HexWarError, OrderError, ReplayFileError
@@ -247,11 +248,8 @@ class Session:
 
     def _tick(self) -> tuple[list[Refused], list[str]]:
         """One tick; what was refused in it, and why the clock stopped."""
-        orders, refused = self.seat.due()
-        if orders:
-            given = tuple(map(str, orders))
-            self._write(OrdersLine(tick=self.game.tick, orders=given, plans=self.seat.kept()))
-            self.game.submit(self.camp, orders, strict=False)
+        orders, refused = self._due()
+        self.game.submit(self.camp, orders, strict=False)
         n_events = len(self._teller.events)
         refused += self._step()
         for one in refused:
@@ -263,6 +261,23 @@ class Session:
             said = []
         self._stop_where_due(is_event=is_event, stopped=bool(said))
         return refused, said
+
+    def _due(self) -> tuple[list[Order], list[Refused]]:
+        """What is due, and kept before it is played.
+
+        Raises:
+            OSError: it cannot be kept; then nothing was due.
+        """
+        plans = self.seat.plans
+        orders, refused = self.seat.due()
+        if orders:
+            given = tuple(map(str, orders))
+            try:
+                self._write(OrdersLine(tick=self.game.tick, orders=given, plans=self.seat.kept()))
+            except OSError:
+                self.seat.plans = plans
+                raise
+        return orders, refused
 
     def _stop_where_due(self, *, is_event: bool, stopped: bool) -> None:
         clock = self.clock

@@ -361,6 +361,57 @@ def test_messages_come_at_a_fixed_pace_however_long_ticks_take(
     assert room_module.SLACK_SECONDS < 0.125
 
 
+def test_a_disk_that_is_full_stops_the_clock_and_says_so(
+    begin: Begin, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    session = begin()
+    monkeypatch.setattr(
+        session, "advance", lambda: (_ for _ in ()).throw(OSError(28, "No space left on device"))
+    )
+
+    async def listen() -> list[Any]:
+        room, ear = Room(session, pace=0.0), Ear()
+        clock = asyncio.create_task(room.keep_time())
+        visitor = await room.welcome(ear)
+        assert visitor is not None
+        await room.take(visitor, '{"id": 1, "ask": "run", "speed": 8}')
+        await asyncio.sleep(0.2)
+        assert not clock.done()
+        clock.cancel()
+        return [message for _, message in ear.heard]
+
+    assert asyncio.run(listen())[-1] == {
+        "say": "refusal",
+        "to": None,
+        "why": "[Errno 28] No space left on device",
+    }
+    assert not session.clock.running
+
+
+def test_a_socket_that_takes_nothing_does_not_hold_up_the_game(
+    begin: Begin, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(room_module, "SEND_SECONDS", 0.05)
+
+    class Deaf(Ear):
+        async def send_text(self, data: str) -> None:
+            await asyncio.sleep(60)
+
+    async def listen() -> int:
+        room, ear = Room(begin(), pace=0.0), Ear()
+        clock = asyncio.create_task(room.keep_time())
+        visitor, deaf = await room.welcome(ear), await room.welcome(Deaf())
+        assert visitor is not None
+        assert deaf is not None
+        await room.take(visitor, '{"id": 1, "ask": "step", "to": "decision"}')
+        await asyncio.sleep(1.0)
+        clock.cancel()
+        assert deaf.gone
+        return int(ear.heard[-1][1]["clock"]["tick"])
+
+    assert asyncio.run(listen()) == 75
+
+
 def test_a_change_of_speed_does_not_wait_for_the_next_tick(begin: Begin) -> None:
     async def listen() -> int:
         room, ear = Room(begin()), Ear()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import json
 import os
 import shutil
@@ -142,6 +143,39 @@ def test_a_game_that_was_killed_at_its_end_is_written(
     assert (tmp_path / "game.hwr").exists()
     again.replay.verify()
     assert not (tmp_path / "game.partial.hwr").exists()
+
+
+def test_a_full_disk_stops_the_game_and_spoils_nothing(
+    begin: Begin, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    session = begin()
+    for _ in play(session, 16):
+        pass
+    before, write = (tmp_path / "game.partial.hwr").read_bytes(), os.write
+
+    def full(handle: int, data: bytes) -> int:
+        if len(data) > 9:
+            return write(handle, data[:9])
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    for number in range(2):
+        monkeypatch.setattr(os, "write", full)
+        with pytest.raises(OSError, match="No space"):
+            session.answer(PlanFor("tank1", (f"tank1 go 12{30 + number}",), False))
+        monkeypatch.undo()
+        assert (tmp_path / "game.partial.hwr").read_bytes() == before
+    session.answer(Run(64))
+    monkeypatch.setattr(os, "write", full)
+    with pytest.raises(OSError, match="No space"):
+        session.advance()
+    monkeypatch.undo()
+    assert session.seat.tray()  # not given yet
+    session.advance()
+    hashes = hashed(session)
+    session.close()
+    again = resumed_session(tmp_path / "game.partial.hwr")
+    assert hashed(again) == hashes
+    again.close()
 
 
 def test_one_process_plays_a_game_at_a_time(begin: Begin, tmp_path: Path) -> None:
