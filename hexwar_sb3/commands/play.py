@@ -22,12 +22,16 @@ from hexwar_sb3.commands.settings import ScenarioName, check_name
 from hexwar_sb3.errors import ConfigError
 
 if TYPE_CHECKING:
+    from hexwar_sb3.server.ladder import Ladder
     from hexwar_sb3.server.session import Session
 
 NEEDED = ("starlette", "uvicorn", "websockets")
+USUAL_OPPONENT = "MA2"
 MOST_PORT = 65_535
 MOST_GAMES = 10_000  # in a folder, by numbers
-OF_ANY_GAME = frozenset({"port", "no_browser", "resume"})  # flags that a game that goes on takes, too
+OF_ANY_GAME = frozenset(
+    {"port", "no_browser", "resume", "ladder"}
+)  # flags that a game that goes on takes, too
 Opponent = Annotated[
     str,
     tyro.conf.Positional,
@@ -48,6 +52,13 @@ Port = Annotated[int, tyro.conf.arg(help="of this machine; 0: any that is free")
 Resume = Annotated[
     Path | None, tyro.conf.arg(metavar="FILE", help="go on with a game that was broken off (*.partial.hwr)")
 ]
+LadderFolder = Annotated[
+    Path | None,
+    tyro.conf.arg(
+        metavar="FOLDER",
+        help="of a training or a league: its policies from the first to the last, the next one after each win",
+    ),
+]
 Name = Annotated[
     str | None, tyro.conf.arg(metavar="NAME", help="of the game and its files; else game_1, game_2, ...")
 ]
@@ -62,7 +73,7 @@ class Play:
     The page is served to this machine alone.
     """
 
-    opponent: Opponent = "MA2"
+    opponent: Opponent = USUAL_OPPONENT
     scenario: ScenarioName = "plain"
     side: Literal["red", "blue"] = "red"  # that you command
     seed: SeedOrNone = None
@@ -70,6 +81,7 @@ class Play:
     port: Port = 0
     no_browser: bool = False  # only print the address
     resume: Resume = None
+    ladder: LadderFolder = None
     name: Name = None
     folder: Path = Path("play")  # where games lie
 
@@ -101,15 +113,18 @@ class Play:
             if self.seed is None
             else check_whole("--seed", self.seed, least=0, most=999_999)
         )
-        compile_first(self.opponent, scenario=self.scenario)
+        ladder = self._ladder(self.side, self.folder)
+        opponent = self.opponent if ladder is None else ladder.rungs[ladder.at].player
+        compile_first(opponent, scenario=self.scenario)
         setup = Setup(
-            opponent=self.opponent,
+            opponent=opponent,
             scenario=self.scenario,
             side=self.side,
             seed=seed,
             hints=self.hints,
             name=self.name or _free_name(self.folder),
             folder=self.folder,
+            ladder=ladder,
             command=typed(),
         )
         return new_session(setup)
@@ -123,7 +138,24 @@ class Play:
                     f"--resume goes on with the game as it is; found --{field.name}, expected none"
                 )
         compile_first()
-        return resumed_session(file)
+        return resumed_session(file, None if self.ladder is None else self._ladder_of(file))
+
+    def _ladder(self, side: str, folder: Path) -> Ladder | None:
+        from hexwar_sb3.commands.ladders import open_ladder
+
+        if self.ladder is None:
+            return None
+        if self.opponent != USUAL_OPPONENT:
+            raise ConfigError(f"--ladder says who is next; found {self.opponent}, expected no opponent")
+        return open_ladder(self.ladder, "blue" if side == "red" else "red", folder)
+
+    def _ladder_of(self, file: Path) -> Ladder | None:
+        """The ladder on which a game that goes on counts."""
+        from hexwar_sb3.server.partial import Partial
+
+        record, head, _ = Partial.go_on(file)
+        record.close()
+        return self._ladder(head.camp, file.parent)
 
 
 def _free_name(folder: Path) -> str:

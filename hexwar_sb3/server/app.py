@@ -134,10 +134,10 @@ class Server:
         self.room = Room(self.session, self.pace)
         clock = asyncio.create_task(self.room.keep_time())
         yield
+        await self.room.close()
         clock.cancel()
         with suppress(asyncio.CancelledError):
             await clock
-        self.session.close()
 
     # --- addresses -------------------------------------------------------------------------------
 

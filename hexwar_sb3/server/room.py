@@ -117,6 +117,12 @@ class Room:
                     other.role = COMMANDS
                     await other.say(self.session.hello(COMMANDS))
 
+    async def close(self) -> None:
+        """Stop the clock, and wait for the tick that is under way."""
+        self.session.clock.stop()
+        async with self._lock:
+            self.session.close()
+
     # --- questions -------------------------------------------------------------------------------
 
     async def take(self, visitor: Visitor, text: str | bytes) -> None:

@@ -6,9 +6,9 @@ What is told is made of the camp's views, its orders and their results. The refe
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path as File
-from typing import Any
+from typing import Any, Literal
 
 from hexwar_sb3.engine.orders import Order
 from hexwar_sb3.engine.replay import PlayerName, Replay
@@ -24,6 +24,7 @@ from hexwar_sb3.server.advice import look_at, path_to
 from hexwar_sb3.server.clock import Clock
 from hexwar_sb3.server.delta import frozen, new_in
 from hexwar_sb3.server.hints import Adviser
+from hexwar_sb3.server.ladder import Ladder, Played
 from hexwar_sb3.server.messages import (
     ONLY_LOOKS,
     VERSION,
@@ -67,6 +68,7 @@ class Setup:
     hints: str | None = None
     name: str = "game"
     folder: File = File("play")
+    ladder: Ladder | None = None  # on which the opponent stands
     command: str | None = None  # what made it, as one would type it
 
 
@@ -86,7 +88,7 @@ class Session:
         self.game = Game(setup.scenario, setup.seed, opponent=setup.opponent, side=setup.side)
         self.camp = camp_name(self.game.side)
         self.seat, self.clock, self.stops = PersonSeat(self.game, self.camp), Clock(), Stops()
-        self.opponent = player_name(setup.opponent, make_player(setup.opponent))
+        self.opponent = _opponent(setup)
         self.adviser = None
         if setup.hints is not None:
             name = given_name(setup.hints) or setup.hints
@@ -115,7 +117,7 @@ class Session:
             "map": map_block(scenario.hexmap),
             "story": self._told,
             **self.state(),
-            "ladder": None,
+            "ladder": self._ladder(),
             "over": self.over() if self.replay is not None else None,
         }
 
@@ -153,17 +155,23 @@ class Session:
         if self.replay is None:
             raise OrderError("the game is not over; its result is told at the end")
         margins = self.replay.end["margin"]
-        winner = self.replay.end["winner"]
         return {
             "say": "over",
-            "result": "drawn" if winner == "draw" else "won" if winner == self.camp else "lost",
+            "result": self._result(self.replay),
             "margin": margins,
             "hints": self.hints_used,
             "after": "/after",
             "replay": "/replay",
             "file": self.file.name,
-            "ladder": None,
+            "ladder": self._ladder(),
         }
+
+    def _result(self, replay: Replay) -> Literal["won", "drawn", "lost"]:
+        winner = replay.end["winner"]
+        return "drawn" if winner == "draw" else "won" if winner == self.camp else "lost"
+
+    def _ladder(self) -> Json | None:
+        return None if self.setup.ladder is None else self.setup.ladder.told()
 
     def _story(self) -> Json:
         document = self._common | self._teller.document(self.game.recorder.lines)
@@ -325,7 +333,24 @@ class Session:
         self.replay = Replay.recorded(game.recorder, game.state, 0, game.seed, *players, self.setup.command)
         if self.record is not None:
             self.replay.save(self.file)
+            self._climb(self.replay)
             self.record.remove()
+
+    def _climb(self, replay: Replay) -> None:
+        """Write the game into the record of its ladder."""
+        if self.setup.ladder is not None:
+            played = Played(
+                rung=self.setup.ladder.rung_of(self.setup.opponent).name,
+                camp=self._side(),
+                scenario=self.game.world.scenario.name,
+                result=self._result(replay),
+                margin=replay.end["margin"][self.camp],
+                game=self.setup.name,
+            )
+            self.setup.ladder.note(played)
+
+    def _side(self) -> Literal["red", "blue"]:
+        return "red" if self.camp == "red" else "blue"
 
     def head(self) -> Head:
         """What the game is kept with."""
@@ -333,7 +358,7 @@ class Session:
             scenario=scenario_document(self.game.world.scenario),
             rules=self.game.world.ruleset.hash,
             seed=self.setup.seed,
-            camp="red" if self.camp == "red" else "blue",
+            camp=self._side(),
             opponent=self.setup.opponent,
             opponent_hash=self.opponent.hash,
             hints=self.setup.hints,
@@ -385,6 +410,12 @@ class Session:
             self._step()
 
 
+def _opponent(setup: Setup) -> PlayerName:
+    """What the opponent is called: as it was given, or by its rung."""
+    told = player_name(setup.opponent, make_player(setup.opponent))
+    return told if setup.ladder is None else replace(told, name=setup.ladder.rung_of(setup.opponent).name)
+
+
 def new_session(setup: Setup) -> Session:
     """A game that begins, and is kept in its folder.
 
@@ -398,11 +429,15 @@ def new_session(setup: Setup) -> Session:
     return session
 
 
-def resumed_session(path: File) -> Session:
+def resumed_session(path: File, ladder: Ladder | None = None) -> Session:
     """A game that goes on where its file ends.
 
+    Args:
+        path: of the file.
+        ladder: in whose record it is to count.
+
     Raises:
-        ConfigError: it is not called like such a file.
+        ConfigError: it is not called like such a file, or its opponent is not on the ladder.
         ReplayFileError: it is none, or the rules or the opponent are others now.
         BusyError: another process plays it.
     """
@@ -413,7 +448,8 @@ def resumed_session(path: File) -> Session:
         scenario = scenario_from_document(head.scenario, str(path))
         name = path.name.removesuffix(SUFFIX)
         given = {key: getattr(head, key) for key in ("opponent", "seed", "hints")}
-        setup = Setup(scenario=scenario, side=head.camp, name=name, folder=path.parent, **given)
+        given |= {"scenario": scenario, "side": head.camp, "name": name, "folder": path.parent}
+        setup = Setup(ladder=ladder, **given)
         session = Session(setup, record)
         session.check(head, path)
         session.go_on(lines, path)

@@ -171,3 +171,13 @@ def test_a_game_that_is_killed_and_stopped_goes_on_to_its_end(scenario: Path, tm
     replay.verify()
     assert [line["hash"] for line in replay.states if line["tick"] == 75] == [killed_at]
     assert not file.exists()
+
+
+def test_a_ladder_names_the_opponent(
+    hexwar: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    code, _, err = hexwar("play", "MA1", "--ladder", "runs/commander_1")
+
+    assert code == 2
+    assert err == "hexwar: --ladder says who is next; found MA1, expected no opponent\n"
