@@ -6,12 +6,14 @@ import json
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 from hexwar_sb3.engine.text import parse_board
+from hexwar_sb3.maps import load_scenario
 from hexwar_sb3.maps.scenario import Scenario
 from hexwar_sb3.server.session import Session, Setup, new_session
 
@@ -24,6 +26,12 @@ def short() -> Scenario:
     """A scenario of 200 ticks."""
     board = "map plain-40x9\npoint ford 0604 40\nred tank 0204\nblue tank 3904\nticks 200"
     return parse_board(board).scenario
+
+
+@pytest.fixture
+def brief() -> Scenario:
+    """Plain, for 300 ticks."""
+    return replace(load_scenario("plain"), game_ticks=300)
 
 
 @pytest.fixture

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -53,9 +54,9 @@ def play(session: Session, story: Json, question: Any) -> tuple[Json, list[Json]
     return story, messages
 
 
-def test_a_page_that_follows_has_the_story_of_the_replay(begin: Begin) -> None:
+def test_a_page_that_follows_has_the_story_of_the_replay(begin: Begin, brief: Scenario) -> None:
     """Hello and changes add up to what `hexwar watch --view red` says of the same game, played again."""
-    session = begin(opponent="MA1")
+    session = begin(opponent="MA1", scenario=replace(brief, game_ticks=900))
     story = session.hello()["story"]
     session.answer(PlanFor("tank0", ("tank0 go 2030", "tank0 hide"), False))
     session.answer(PlanFor("aerocraft0", ("aerocraft0 go 3030", "aerocraft0 go 4030"), False))
@@ -68,8 +69,8 @@ def test_a_page_that_follows_has_the_story_of_the_replay(begin: Begin) -> None:
     assert story["events"]
 
 
-def test_the_replay_is_whole_and_says_who_played(begin: Begin, tmp_path: Path) -> None:
-    session = begin(side="blue", opponent="HRL0", hints="HRL0", command="hexwar play HRL0")
+def test_the_replay_is_whole_and_says_who_played(begin: Begin, brief: Scenario, tmp_path: Path) -> None:
+    session = begin(side="blue", opponent="HRL0", hints="HRL0", command="hexwar play HRL0", scenario=brief)
     session.answer(Hint("tank0"))
     _, messages = play(session, session.hello()["story"], Finish())
 
@@ -80,7 +81,7 @@ def test_the_replay_is_whole_and_says_who_played(begin: Begin, tmp_path: Path) -
     assert replay.head["command"] == "hexwar play HRL0"
     assert "hints" not in str(replay.for_camp("red").head["players"])
     assert not (tmp_path / "game.partial.hwr").exists()
-    assert len(messages) == 1800 / 75
+    assert len(messages) == 300 / 75
     over = session.over()
     assert over.keys() == example("over").keys()
     assert over["margin"] == replay.end["margin"]

@@ -14,11 +14,14 @@ from hexwar_sb3.engine.text import parse_board
 from hexwar_sb3.errors import HexWarError
 from hexwar_sb3.server import messages
 from hexwar_sb3.server.delta import changed
-from hexwar_sb3.server.messages import Hint, Look, PlanFor, Run, StepTo, Undo
+from hexwar_sb3.server.messages import Hint, Look, PlanFor, Question, Run, StepTo, Undo
 from hexwar_sb3.server.session import Session, resumed_session
 from hexwar_sb3.viewer import stories
 
 Json = dict[str, Any]
+
+
+TIMES: list[Question] = [Run(64), StepTo("decision"), StepTo("event"), StepTo("tick")]
 
 
 class Fidgety:
@@ -79,7 +82,7 @@ def play(session: Session, seed: int, story: Json, until: int) -> Json:
     player = Fidgety(session, seed)
     while session.game.tick < until and not session.game.over:
         player.act()
-        session.answer(player.rng.choice([Run(64), StepTo("decision"), StepTo("event"), StepTo("tick")]))
+        session.answer(player.rng.choice(TIMES))
         while session.clock.running:
             now = json.loads(json.dumps(session.advance()))
             story = changed(story, now["story"])
@@ -115,7 +118,7 @@ def test_a_fight_at_random_is_told_kept_and_replayed(begin: Callable[..., Sessio
         blue  tank 1804
         blue  chariot 2006
         blue  soldier aboard chariot0
-        ticks 500
+        ticks 400
     """).scenario
     story = check_whole_game(begin, 2, 100, opponent="MA1", scenario=scenario)
 
