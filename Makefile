@@ -53,9 +53,9 @@ layers: setup
 bench: setup
 	$(BIN)/hexwar bench
 
-# The page that shows games: hexwar_sb3/viewer/built/page.html, of the sources in viewer/. Needs Node; nothing else here does.
+# The page that shows games and the one of `hexwar play`: hexwar_sb3/viewer/built/, of the sources in viewer/. Needs Node; nothing else here does.
 viewer: viewer/node_modules/.installed
-	cd viewer && npx tsc && npx vitest run && npx vite build --logLevel warn
+	cd viewer && npx tsc && npx vitest run && npm run --silent build
 
 viewer/node_modules/.installed: viewer/package.json viewer/package-lock.json
 	cd viewer && npm ci --no-audit --no-fund

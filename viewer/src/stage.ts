@@ -29,6 +29,12 @@ export interface Choices {
   fireTicks: number; // how long fire is shown
 }
 
+/** What a page draws on top: between fog and pieces, and above them. */
+export interface Overlay {
+  below(ctx: CanvasRenderingContext2D, stage: Stage): void;
+  above(ctx: CanvasRenderingContext2D, stage: Stage): void;
+}
+
 export class Stage {
   readonly camera: Camera;
   readonly sight: Sight;
@@ -93,7 +99,7 @@ export class Stage {
     this.camera.show([...places, ...game.story.points.map(([, cell]) => centre(game.map, cell))], 3);
   }
 
-  draw(scene: Scene, choices: Choices, hot: { shape: "arrow"; from: number; to: number } | null): void {
+  draw(scene: Scene, choices: Choices, hot: { shape: "arrow"; from: number; to: number } | null, overlay?: Overlay): void {
     const { game, state, palette, ratio, time } = scene;
     const { camera } = this;
     const placed = `${camera.x} ${camera.y} ${camera.scale} ${camera.width} ${camera.height} ${ratio} ${palette.dark}`;
@@ -115,11 +121,13 @@ export class Stage {
     drawPoints(marks, game, state, camera, palette, this.tokens);
     this.drawBeliefs(marks, scene, away);
     drawRounds(marks, game, state, time, camera, palette);
+    overlay?.below(marks, this);
     if (hot) this.drawHot(marks, scene, hot);
     const pieces = this.clear("pieces", ratio);
     drawWrecks(pieces, state, camera, palette);
     drawFire(pieces, game.map, scene.entries, time, choices.fireTicks, camera, palette);
     drawTokens(pieces, this.tokens, scene.picked?.index ?? -1, palette);
+    overlay?.above(pieces, this);
     for (const { text, at } of this.labels) plate(pieces, text, at, 12, palette);
   }
 
@@ -235,6 +243,11 @@ export class Stage {
   tokenAt(place: Point): Token | null {
     const hits = this.tokens.filter((one) => Math.hypot(one.at.x - place.x, one.at.y - place.y) <= Math.max(one.size + 2, 14));
     return hits.sort((a, b) => Number(a.ghost) - Number(b.ghost))[0] ?? null;
+  }
+
+  /** Where a piece is drawn on the screen; null where it is not. */
+  placeOf(index: number): Point | null {
+    return this.tokens.find((one) => one.shown.piece.index === index)?.at ?? null;
   }
 
   cellAt(place: Point, game: Game): number {
