@@ -10,6 +10,8 @@ import type { Preview } from "./plandraw";
 import type { Play } from "./play";
 import { Refused } from "./wire";
 
+const LEAST_POINTS = 0.05; // a shot that is worth telling
+
 export interface Aim {
   cell: number;
   lines: string[]; // what would come of it
@@ -73,7 +75,7 @@ function watchText(path: PathDoc, cell: number): string {
 /** The best shot from there. */
 function fireText(look: LookDoc | undefined): string[] {
   const best = bestOf(look?.shots ?? []);
-  return best ? [`could fire from there: ${readOrder(best.order).words[1] ?? ""} at ${spoken(best.target)}, ${best.points.toFixed(1)} points`] : [];
+  return best && best.points >= LEAST_POINTS ? [`could fire from there: ${readOrder(best.order).words[1] ?? ""} at ${spoken(best.target)}, ${best.points.toFixed(1)} points`] : [];
 }
 
 export function bestOf(shots: ShotDoc[]): ShotDoc | undefined {

@@ -1,9 +1,11 @@
 // Opens the page of a game that is played; what tests need of it is `window.hexwar`.
 
+import { byId } from "../dom";
+import { type Point, centre, parseCell } from "../hex";
 import { buildDesk, showFirst } from "./desk";
 import { listen } from "./hands";
 import { Play } from "./play";
-import { centre } from "../hex";
+
 import "../style.css";
 import "./play.css";
 
@@ -17,22 +19,23 @@ listen(play);
 void play.link.start();
 Object.assign(window, {
   hexwar: {
-    /** Where a cell is on the screen. */
-    place: (cell: number) => {
-      const box = document.getElementById("terrain")?.getBoundingClientRect();
-      const at = play.stage.camera.toScreen(centre(play.session.map, cell));
-      return { x: at.x + (box?.x ?? 0), y: at.y + (box?.y ?? 0) };
-    },
+    session: () => play.session, state: () => play.scene().state, costs: play.costs,
+    aimed: () => (play.aimed < 0 ? null : play.aimAt(play.aimed, play.then)),
+    mortarCells: () => play.lookHere()?.mortar.flatMap((group) => group.cells).length ?? 0,
+    placeOf: (name: string) => onScreen(play.stage.camera.toScreen(centre(play.session.map, parseCell(play.session.map, name)))),
     token: (name: string) => {
-      const box = document.getElementById("terrain")?.getBoundingClientRect();
       const piece = play.session.game.byName(name);
-      const at = piece && play.stage.placeOf(piece.index);
-      return at ? { x: at.x + (box?.x ?? 0), y: at.y + (box?.y ?? 0) } : null;
+      return onScreen(piece ? play.stage.placeOf(piece.index) : null);
     },
-    session: () => play.session, costs: play.costs, state: () => play.scene().state,
-    zoomTo: (cells: number[], room: number) => {
-      play.stage.camera.show(cells.map((cell) => centre(play.session.map, cell)), room);
+    show: (names: string[], room: number) => {
+      play.stage.camera.show(names.map((name) => centre(play.session.map, parseCell(play.session.map, name))), room);
       play.ask();
     },
   },
 });
+
+/** A place of the map's canvas, in the coordinates of the window. */
+function onScreen(at: Point | null): Point | null {
+  const box = byId("terrain").getBoundingClientRect();
+  return at && { x: at.x + box.x, y: at.y + box.y };
+}

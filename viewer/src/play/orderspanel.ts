@@ -28,8 +28,8 @@ function pickRow(play: Play): HTMLElement {
     const shown = play.session.game.shown(piece, play.session.tick);
     const idle = play.session.isIdle(piece.short);
     const says = shown.blood === 0 ? "destroyed" : idle ? "idle" : play.session.game.doing(piece, play.session.tick);
-    const traits = { type: "button", id: `pick-${piece.short}`, title: `${piece.short} (${k + 1}), ${says}`, "aria-label": `${piece.short}, ${says}`, "aria-pressed": String(piece.index === play.picked?.index) };
-    const button = make("button", traits, badge(piece.camp, piece.letter), make("span", { class: "short" }, piece.short), idle ? make("span", { class: "idle", "aria-hidden": "true" }) : null);
+    const traits = { type: "button", id: `pick-${piece.short}`, title: `${piece.short} (${k + 1}), ${says}`, "aria-pressed": String(piece.index === play.picked?.index) };
+    const button = make("button", traits, badge(piece.camp, piece.letter), make("span", { class: "short" }, piece.short), make("span", { class: "unseen" }, `, ${says}`), idle ? make("span", { class: "idle", "aria-hidden": "true" }) : null);
     if (shown.blood === 0) button.className = "gone";
     button.addEventListener("click", () => play.pick(piece));
     row.append(button);

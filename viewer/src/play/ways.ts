@@ -1,7 +1,7 @@
 // Ways and shots that are planned, as they are drawn and told.
 
 import { cellName, centre, parseCell } from "../hex";
-import type { Piece, Shown } from "../state";
+import { type Piece, type Shown, hopAt } from "../state";
 import { cellsOf, goalOf, readOrder } from "./orders";
 import type { PlannedShot, PlannedWay } from "./plandraw";
 import type { Play } from "./play";
@@ -13,28 +13,47 @@ interface Course {
   arrives: number; // tick; -1 not known
 }
 
-/** All of a piece's way: the order that waits, the hops under way, and the waypoints after them. */
+/** All of a piece's way: the order that waits, or the hops under way, and the waypoints after them. */
 export function courseOf(play: Play, piece: Piece): Course {
-  const { session } = play;
-  const { map, game, tick } = session;
-  const here = game.shown(piece, tick).cell;
-  const order = session.state.tray[piece.short];
-  const course: Course = { cells: order ? cellsOf(map, here, order) : [], arrives: -1 };
-  if (course.cells.length === 0 && readOrder(order ?? "").verb !== "stop") course.cells = game.path(piece, tick);
-  const goals = (session.state.plans[piece.short] ?? []).map((step) => goalOf(map, step)).filter((cell) => cell >= 0);
-  for (const [k, goal] of goals.entries()) addLeg(play, piece, course, goal, k === 0);
-  const last = course.cells[course.cells.length - 1];
-  if (goals.length === 0 && last !== undefined) course.arrives = play.known.leg(piece.short, null, last)?.arrives ?? -1;
-  return course;
+  const { map, state } = play.session;
+  const steps = state.plans[piece.short] ?? [];
+  const goals = steps.map((step) => goalOf(map, step)).filter((cell) => cell >= 0);
+  const order = state.tray[piece.short];
+  const course = order === undefined ? hopsOf(play, piece) : { cells: cellsOf(map, cellOf(play, piece), order), arrives: -1 };
+  const first = goals.shift() ?? course.cells[course.cells.length - 1];
+  if (first === undefined) return course;
+  let whole = course.arrives >= 0 ? longer(play, piece, course, first) : fromHere(play, piece, course, first);
+  for (const goal of goals) whole = longer(play, piece, whole, goal);
+  return whole;
 }
 
-function addLeg(play: Play, piece: Piece, course: Course, goal: number, first: boolean): void {
-  const end = course.cells[course.cells.length - 1] ?? -1;
-  const leg = play.known.leg(piece.short, first ? null : end, goal);
-  if (leg && first) course.arrives = leg.arrives;
-  else if (leg && course.arrives >= 0) course.arrives += leg.arrives - leg.start;
-  if (end === goal || !leg) return;
-  course.cells = first && end < 0 ? leg.cells : [...course.cells, ...(first ? play.known.leg(piece.short, end, goal)?.cells ?? [] : leg.cells)];
+function cellOf(play: Play, piece: Piece): number {
+  return play.session.game.shown(piece, play.session.tick).cell;
+}
+
+/** The hops under way, and when they end: the present one is dated, the others take what the ground takes. */
+function hopsOf(play: Play, piece: Piece): Course {
+  const { game, tick } = play.session;
+  const hop = piece.own && hopAt(piece.own, tick);
+  const cells = game.path(piece, tick);
+  if (!hop || cells.length === 0) return { cells: [], arrives: -1 };
+  const rest = longer(play, piece, { cells: [cells[0]], arrives: hop[1] }, cells[cells.length - 1]);
+  return { cells, arrives: rest.arrives };
+}
+
+/** From where the piece stands: the server knows when it can set out. */
+function fromHere(play: Play, piece: Piece, course: Course, goal: number): Course {
+  const leg = play.known.leg(piece.short, null, goal);
+  return { cells: leg?.cells ?? course.cells, arrives: leg?.arrives ?? -1 };
+}
+
+/** A way that goes on to another cell. */
+function longer(play: Play, piece: Piece, course: Course, goal: number): Course {
+  const end = course.cells[course.cells.length - 1] ?? cellOf(play, piece);
+  if (end === goal) return course;
+  const leg = play.known.leg(piece.short, end, goal);
+  if (!leg) return course;
+  return { cells: [...course.cells, ...leg.cells], arrives: course.arrives < 0 ? -1 : course.arrives + leg.arrives - leg.start };
 }
 
 export function waysOf(play: Play): PlannedWay[] {
