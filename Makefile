@@ -64,7 +64,7 @@ viewer/node_modules/.installed: viewer/package.json viewer/package-lock.json
 # Built anew it is the same file, and in a browser it shows what the games say. Needs Chromium, too.
 test-viewer: setup viewer
 	git diff --exit-code hexwar_sb3/viewer/built
-	SPEED=yes $(BIN)/python -m pytest -q -m browser tests/viewer
+	SPEED=yes $(BIN)/python -m pytest -q -m browser tests/viewer tests/server
 
 # docs/features.md is the feature table of the code; the tables of docs/rules.md are its rule tables,
 # and the server of `hexwar play` has all of it as a page.

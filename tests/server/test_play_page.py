@@ -9,10 +9,14 @@ import subprocess
 import threading
 from collections.abc import Iterator
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from hexwar_sb3.engine.replay import Replay
+from hexwar_sb3.cli import main
+
+if TYPE_CHECKING:
+    from hexwar_sb3.server.app import Server
 
 pytest.importorskip("uvicorn", reason="pip install 'hexwar_sb3[play]'")
 
@@ -44,41 +48,60 @@ SHORT = {
 
 
 @pytest.fixture
-def address(tmp_path: Path) -> Iterator[str]:
-    """Where a new short game is played."""
+def server(tmp_path: Path) -> Iterator[Server]:
+    """Of a new short game; what is left of it is in its folder."""
     from hexwar_sb3.server.app import Server
     from hexwar_sb3.server.session import Session, Setup
 
     scenario = tmp_path / "short.scenario.json"
     scenario.write_text(json.dumps(SHORT))
-    session = Session(Setup(scenario=scenario, seed=3, name="evening", folder=tmp_path))
-    server = Server(session)
+    server = Server(Session(Setup(scenario=scenario, seed=3, name="evening", folder=tmp_path)))
     thread = threading.Thread(target=server.run)
     thread.start()
-    yield server.guard.address
+    yield server
     server.stop()
     thread.join(timeout=20)
-    if session.replay is not None:
-        session.replay.save(tmp_path / "evening.hwr")
 
 
-def browse(address: str, mode: str) -> subprocess.CompletedProcess[str]:
-    pictures = [PICTURES] if PICTURES else []
-    return subprocess.run(
-        ["node", "e2e/play.mjs", address, mode, *pictures],
-        cwd=VIEWER,
-        env={**os.environ, "CHROMIUM": str(CHROMIUM)},
-        capture_output=True,
-        text=True,
-        check=False,
-        timeout=300,
-    )
+def browser(address: str, mode: str) -> subprocess.Popen[str]:
+    """A browser at an address; what it prints can be read."""
+    command = ["node", "e2e/play.mjs", address, mode, *([PICTURES] if PICTURES else [])]
+    env = {**os.environ, "CHROMIUM": str(CHROMIUM)}
+    pipes: Any = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
+    return subprocess.Popen(command, cwd=VIEWER, env=env, text=True, **pipes)
 
 
-@pytest.mark.parametrize("mode", ["mouse", "keys", "tabs", "phone"])
-def test_a_person_plays(mode: str, address: str) -> None:
-    """By mouse and by keys to the end, with a capture; in two tabs and on a phone as far as they differ."""
-    result = browse(address, mode)
+@pytest.mark.parametrize("mode", ["mouse", "keys"])
+def test_a_whole_game_is_played(mode: str, server: Server) -> None:
+    """By mouse alone and by keys alone, with a capture; and its replay is a game."""
+    process = browser(server.guard.address, mode)
+    _, problems = process.communicate(timeout=300)
 
-    print(result.stdout)
-    assert result.returncode == 0, result.stderr
+    assert process.returncode == 0, problems
+    replay = server.session.replay
+    assert replay is not None
+    path = server.session.file
+    replay.save(path)
+    with pytest.raises(SystemExit) as end:
+        main(("watch", str(path), "--verify"))
+    assert end.value.code == 0
+
+
+@pytest.mark.parametrize("mode", ["tabs", "phone"])
+def test_other_tabs_and_other_screens(mode: str, server: Server) -> None:
+    """A second tab reads along and takes over, a closed one pauses; a thumb finds everything on a phone."""
+    process = browser(server.guard.address, mode)
+    _, problems = process.communicate(timeout=120)
+
+    assert process.returncode == 0, problems
+
+
+def test_a_server_that_is_gone_is_told(server: Server) -> None:
+    process = browser(server.guard.address, "lost")
+    assert process.stdout is not None
+    assert process.stdout.readline() == "ready\n"
+
+    server.stop()
+
+    _, problems = process.communicate(timeout=120)
+    assert process.returncode == 0, problems

@@ -1,5 +1,5 @@
 // A game that is played, in a real Chromium against a real server: node e2e/play.mjs ADDRESS MODE [PICTURES]
-// MODE: mouse, keys, tabs or phone. Made for the scenario of tests/server/test_page.py. Prints figures as JSON; fails with what is wrong.
+// MODE: mouse, keys, tabs, phone or lost. Made for the scenario of tests/server/test_page.py. Prints figures as JSON; fails with what is wrong.
 
 import { execSync } from "node:child_process";
 import { readFileSync } from "node:fs";
@@ -271,6 +271,10 @@ async function tabs(context) {
   await clickOn(second, await token(second, "red:tank0"));
   await hoverOn(second, await place(second, MAIN));
   check(await second.locator("#go:enabled").count() === 0, "a second tab can run the clock");
+  const third = await context.newPage();
+  await third.goto(new URL("/", address).href);
+  await third.waitForFunction(() => document.getElementById("notice").textContent.includes("two tabs"), null, { timeout: 8000 }).catch(() => problems.push("a third tab does not say that there are two"));
+  await third.close();
   await first.bringToFront();
   await first.keyboard.press("1");
   await clickOn(first, await place(first, MAIN));
@@ -289,11 +293,11 @@ async function tabs(context) {
   await second.click("#play");
   await until(second, "expected the clock to run", ([left]) => window.hexwar.session().tick > left, left);
   await second.close();
-  const third = await open(context, new URL("/", address).href);
-  const [now, running] = await third.evaluate(() => [window.hexwar.session().tick, window.hexwar.session().state.clock.running]);
+  const last = await open(context, new URL("/", address).href);
+  const [now, running] = await last.evaluate(() => [window.hexwar.session().tick, window.hexwar.session().state.clock.running]);
   check(now > left && !running, `after all tabs were closed: tick ${now}, running ${running}`);
-  await third.waitForTimeout(500);
-  check((await tick(third)) === now, "a closed tab does not pause");
+  await last.waitForTimeout(500);
+  check((await tick(last)) === now, "a closed tab does not pause");
 }
 
 // --- on a phone -----------------------------------------------------------------------------------
@@ -327,11 +331,26 @@ async function phone(context) {
   await picture(page, "phone-stop");
 }
 
+// --- a server that is gone --------------------------------------------------------------------------
+
+/** Says when it is ready, and waits until somebody stops the server. */
+async function lost(context) {
+  const page = await open(context);
+  await page.click("#first button.strong");
+  console.log("ready");
+  await until(page, "expected a notice that the server is gone", () => !document.getElementById("notice").hidden);
+  figures.notice = await text(page, "notice");
+  check(/stopped|lost/.test(figures.notice), `a server that is gone is told as ${figures.notice}`);
+  await clickOn(page, await token(page, "red:tank0"));
+  await clickOn(page, await place(page, MAIN));
+  await readable(page, "without a server");
+}
+
 const browser = await chromium.launch({ executablePath, args: ["--no-sandbox"] });
 try {
   const { defaultBrowserType: _, ...pixel } = devices["Pixel 7"];
   const context = await browser.newContext(mode === "phone" ? { ...pixel, viewport: { width: 390, height: 844 }, deviceScaleFactor: 2 } : { viewport: { width: 1400, height: 900 } });
-  await { mouse, keys, tabs, phone }[mode](context);
+  await { mouse, keys, tabs, phone, lost }[mode](context);
 } catch (error) {
   problems.push(error.message);
 } finally {

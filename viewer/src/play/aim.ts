@@ -4,7 +4,7 @@ import { cellName, centre } from "../hex";
 import { spoken } from "../log";
 import { ground } from "../piecespanel";
 import type { Shown } from "../state";
-import { endOf, percent, readOrder, sayChances } from "./orders";
+import { endOf, percent, readOrder, sayChances, sayPoints } from "./orders";
 import type { LookDoc, MortarDoc, PathDoc, ShotDoc } from "./protocol";
 import type { Preview } from "./plandraw";
 import type { Play } from "./play";
@@ -75,7 +75,7 @@ function watchText(path: PathDoc, cell: number): string {
 /** The best shot from there. */
 function fireText(look: LookDoc | undefined): string[] {
   const best = bestOf(look?.shots ?? []);
-  return best && best.points >= LEAST_POINTS ? [`could fire from there: ${readOrder(best.order).words[1] ?? ""} at ${spoken(best.target)}, ${best.points.toFixed(1)} points`] : [];
+  return best && best.points >= LEAST_POINTS ? [`could fire from there: ${readOrder(best.order).words[1] ?? ""} at ${spoken(best.target)}, ${sayPoints(best.points)}`] : [];
 }
 
 export function bestOf(shots: ShotDoc[]): ShotDoc | undefined {
@@ -88,7 +88,7 @@ function shotAim(play: Play, cell: number, enemy: Shown, then: boolean): Aim {
   if (look === undefined) return { cell, lines: [`${spoken(name)} …`], steps: null, then, preview: null };
   const shot = bestOf(look.shots.filter((one) => one.target === name));
   if (!shot) return { cell, lines: [spoken(name), whyNot(look, name)], steps: null, then, preview: null };
-  const lines = [`${readOrder(shot.order).words[1]} at ${spoken(name)}, level ${shot.level}: ${shot.points.toFixed(1)} points expected`, sayChances(shot.chances)];
+  const lines = [`${readOrder(shot.order).words[1]} at ${spoken(name)}, level ${shot.level}: ${sayPoints(shot.points)} expected`, sayChances(shot.chances)];
   return { cell, lines, steps: [shot.order], then, preview: null };
 }
 
@@ -107,7 +107,8 @@ function mortarAim(play: Play, cell: number, then: boolean): Aim {
 export const MORTAR_CLASSES = ["nobody looks at the cell", "an own piece looks at the cell", "an own piece sees an enemy in it"];
 
 function oddsText(group: MortarDoc): string {
-  return `on target ${percent(group.hit)}, beside it in the cell ${percent(group.off_target)}, elsewhere ${percent(group.scatter)}`;
+  const odds: [string, number][] = [["on target", group.hit], ["beside it in the cell", group.off_target], ["elsewhere", group.scatter]];
+  return odds.filter(([, chance]) => chance >= 0.005).map(([where, chance]) => `${where} ${percent(chance)}`).join(", ");
 }
 
 /** The same for somebody who does not see the map. */

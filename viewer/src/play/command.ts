@@ -10,7 +10,7 @@ export type Typed =
   | { kind: "cell"; cell: number }
   | { kind: "go" }
   | { kind: "pause" }
-  | { kind: "step"; ticks: number }
+  | { kind: "step" } // one tick
   | { kind: "next" } // event
   | { kind: "decision" }
   | { kind: "undo" }
@@ -21,7 +21,7 @@ export type Typed =
 
 const WORDS: Record<string, Typed> = {
   go: { kind: "go" }, run: { kind: "go" }, start: { kind: "go" }, pause: { kind: "pause" }, stop: { kind: "pause" }, next: { kind: "next" }, event: { kind: "next" },
-  decision: { kind: "decision" }, undo: { kind: "undo" }, back: { kind: "undo" }, hint: { kind: "hint" }, hints: { kind: "hint" }, "?": { kind: "help" }, help: { kind: "help" },
+  step: { kind: "step" }, decision: { kind: "decision" }, undo: { kind: "undo" }, back: { kind: "undo" }, hint: { kind: "hint" }, hints: { kind: "hint" }, "?": { kind: "help" }, help: { kind: "help" },
 };
 
 /** One line: "tank0 move 1234", "then tank0 hide", "tank0", "1234", "go", "step 10", "speed 8". */
@@ -36,8 +36,6 @@ export function readTyped(text: string, game: Game, map: HexMap, camp: string): 
   if (piece) return { kind: "pick", piece };
   if (words.length === 1 && parseCell(map, first) >= 0) return { kind: "cell", cell: parseCell(map, first) };
   if (words.length === 1 && WORDS[first]) return WORDS[first];
-  const number = Number(second ?? 1);
-  if ((first === "step" || first === "t") && Number.isInteger(number) && number > 0) return { kind: "step", ticks: number };
   if (first === "speed" && SPEEDS.includes(Number(second))) return { kind: "speed", speed: Number(second) };
   return { kind: "unknown", text };
 }

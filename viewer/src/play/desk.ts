@@ -84,15 +84,23 @@ function buildKeys(): void {
   found.append(make("div", { class: "buttons" }, closing(found, "Close"), first));
 }
 
+const BY_MOUSE = [
+  "Pick a piece of yours: click it, or press its number.",
+  "Point at a cell: you see the way, when it arrives, and which known enemies would see it there. Click, and the order waits in the tray. Click an enemy to fire at it: you see the chances first.",
+  "Shift-click plans what comes after that. Backspace takes back. Nothing happens before the clock runs.",
+  "Enter gives the orders and lets the clock run.",
+];
+const BY_TOUCH = [
+  "Pick a piece of yours: tap it, or its button.",
+  "Tap a cell: you see the way, when it arrives, and which known enemies would see it there. Tap it again, and the order waits in the tray. Tap an enemy to see the chances of a shot.",
+  "“Then” plans what comes after that, “Take back” takes back. Nothing happens before the clock runs.",
+  "“Give the orders and run” does what it says.",
+];
+
 /** How to give a first order. */
 export function showFirst(): void {
-  const steps = [
-    "Pick a piece of yours: click it, or press its number.",
-    "Point at a cell: you see the way, when it arrives, and which known enemies would see it there. Click, and the order waits in the tray. Click an enemy to fire at it: you see the chances first.",
-    "Shift-click plans what comes after that. Backspace takes back. Nothing happens before the clock runs.",
-    "Enter gives the orders and lets the clock run. It stops by itself when an enemy comes into sight, when you lose something, and when a piece has nothing to do.",
-  ];
-  const found = dialog("first", make("h2", { id: "first-title" }, "Your first order"), make("ol", {}, ...steps.map((step) => make("li", {}, step))), make("p", { class: "soft" }, "You win by points: what your pieces and your control points are worth, less theirs. A piece takes a point by the order Occupy in its cell. All can be done by keys alone: ? lists them."));
+  const steps = matchMedia("(pointer: coarse)").matches ? BY_TOUCH : BY_MOUSE;
+  const found = dialog("first", make("h2", { id: "first-title" }, "Your first order"), make("ol", {}, ...steps.map((step) => make("li", {}, step))), make("p", { class: "soft" }, "The clock stops by itself when an enemy comes into sight, when you lose something, and when a piece has nothing left to do. You win by points: what your pieces and your control points are worth, less theirs. A piece takes a point by the order Occupy in its cell. All can be done by keys alone: ? lists them."));
   const rules = make("a", { href: "/rules", target: "_blank", rel: "noopener" }, "The rules");
   found.append(make("div", { class: "buttons" }, closing(found, "Begin"), rules));
   found.showModal();
@@ -130,7 +138,7 @@ export function showEnding(play: Play, over: OverDoc): void {
     make("p", { class: "big" }, make("span", { class: `t-${camp}` }, `${camp} ${signed(over.margin[camp])}`), " : ", make("span", { class: `t-${enemy}` }, `${enemy} ${signed(over.margin[enemy])}`)),
     make("p", {}, `These are the true margins. Against ${play.session.hello.opponent}, with ${over.hints} ${over.hints === 1 ? "hint" : "hints"}. The replay is ${over.file}.`),
     ...(over.ladder ? [ladderText(over.ladder)] : []),
-    make("div", { class: "buttons" }, make("a", { class: "button", id: "after", href: over.after }, "See all of it"), make("a", { id: "replay", href: over.replay, download: over.file }, "The replay as a file")),
+    make("div", { class: "buttons" }, make("a", { class: "button", id: "after", href: over.after }, "See the whole game"), make("a", { id: "replay", href: over.replay, download: over.file }, "The replay as a file")),
   );
   const close = make("button", { type: "button" }, "Stay here");
   close.addEventListener("click", () => found.close());

@@ -1,5 +1,6 @@
 // Mouse, fingers and keys of a game that is played.
 
+import { SPEEDS } from "../commands";
 import { byId, say } from "../dom";
 import { type Point, centre } from "../hex";
 import { spoken } from "../log";
@@ -18,8 +19,9 @@ const SETTLES_MS = 300; // until a cursor that has come to rest is told about
 export function listen(play: Play): void {
   const clicks: Record<string, () => void> = {
     play: () => play.toggleClock(), one: () => play.step("tick"), event: () => play.step("event"), decision: () => play.step("decision"),
-    speed: () => play.faster(play.session.state.clock.speed >= 64 ? -1 : 1), theme: () => play.setDark(!play.dark), help: () => byId<HTMLDialogElement>("keys").showModal(),
+    speed: () => play.setSpeed(SPEEDS[(SPEEDS.indexOf(play.speed) + 1) % SPEEDS.length]), theme: () => play.setDark(!play.dark), help: () => byId<HTMLDialogElement>("keys").showModal(),
     stops: () => showStops(play), closer: () => play.zoom(1.5), farther: () => play.zoom(1 / 1.5), whole: () => play.whole(),
+    back: () => play.look(play.session.tick),
   };
   for (const [id, act] of Object.entries(clicks)) byId(id).addEventListener("click", act);
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", (event) => play.setDark(event.matches));
@@ -92,7 +94,7 @@ function key(play: Play, event: KeyboardEvent): void {
   const inPanel = target instanceof Node && byId("panel").contains(target);
   const pressed = target instanceof HTMLButtonElement || target instanceof HTMLAnchorElement || (target instanceof HTMLElement && target.tagName === "SUMMARY");
   if (pressed && (event.key === " " || event.key === "Enter")) return;
-  const act = inPanel && isStep(event.key) ? () => walkPanel(event.key) : target === byId("timeline") && isStep(event.key) ? () => play.look(play.time + (event.key === "ArrowRight" ? 1 : -1)) : actOf(play, event);
+  const act = inPanel && isStep(event.key) ? () => walkPanel(event.key) : target === byId("timeline") && isStep(event.key) ? () => play.look(Math.round(play.time) + (event.key === "ArrowRight" || event.key === "ArrowUp" ? 1 : -1)) : actOf(play, event);
   if (!act) return;
   event.preventDefault();
   act();
@@ -122,7 +124,8 @@ function enter(play: Play, then: boolean): void {
 }
 
 function letGo(play: Play): void {
-  if (play.cursor >= 0) play.cursor = -1;
+  if (byId("panel").contains(document.activeElement)) byId("terrain").focus({ preventScroll: true });
+  else if (play.cursor >= 0) play.cursor = -1;
   else play.pick(null);
 }
 
@@ -144,6 +147,7 @@ function moveCursor(play: Play, event: KeyboardEvent): void {
   const shown = play.picked ? play.session.game.shown(play.picked, play.session.tick) : null;
   const start = play.cursor >= 0 ? play.cursor : shown && shown.cell >= 0 ? shown.cell : play.stage.cellAt({ x: play.stage.camera.width / 2, y: play.stage.camera.height / 2 }, play.session.game);
   if (start < 0) return;
+  byId("terrain").focus({ preventScroll: true }); // from here on Enter means the cell
   play.setCursor(stepped(play.session.map, start, event.key, event.shiftKey));
   window.clearTimeout(telling);
   telling = window.setTimeout(() => say(byId("live"), [sayCell(play, play.cursor), ...(play.aimAt(play.cursor, play.then)?.lines ?? [])].join(". ")), SETTLES_MS);
@@ -198,7 +202,7 @@ function typed(play: Play, text: string): void {
   else if (found.kind === "decision") play.step("decision");
   else if (found.kind === "undo") play.undo();
   else if (found.kind === "hint") void play.hint();
-  else if (found.kind === "speed") void play.send("run", { speed: found.speed });
+  else if (found.kind === "speed") play.setSpeed(found.speed);
   else if (found.kind === "help") byId<HTMLDialogElement>("keys").showModal();
   else play.tell(`not understood: ${found.text.slice(0, 40)}`);
 }

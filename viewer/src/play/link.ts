@@ -10,8 +10,10 @@ export interface Linked {
   lost(why: string, again: number | null): void;
 }
 
+const STOPPED = "The server was stopped. The game is kept: `hexwar play --resume` goes on with it, at a new address.";
 const ENDED: Record<number, string> = {
-  1001: "The server was stopped. The game is kept: `hexwar play --resume` goes on with it, at a new address.",
+  1001: STOPPED,
+  1012: STOPPED,
   1008: "The server closed the connection: too many messages in a second.",
   1013: "This game is open in two tabs already. Close one of them, then load this page again.",
 };

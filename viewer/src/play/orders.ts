@@ -81,3 +81,8 @@ export function percent(chance: number): string {
 export function sayChances(chances: number[]): string {
   return classes(chances).map((chance, k) => [chance, CLASS_NAMES[k]] as const).filter(([chance]) => chance >= 0.005).map(([chance, name]) => `${name} ${percent(chance)}`).join(", ");
 }
+
+/** Expected points; small ones are not told as none. */
+export function sayPoints(points: number): string {
+  return `${points.toFixed(points < 1 ? 2 : 1)} points`;
+}

@@ -5,7 +5,7 @@ import { cellName } from "../hex";
 import { spoken } from "../log";
 import { pieceCard } from "../piecespanel";
 import { MORTAR_CLASSES, startOf } from "./aim";
-import { CLASS_NAMES, classes, percent, readOrder, sayChances, sayOrder } from "./orders";
+import { CLASS_NAMES, classes, percent, readOrder, sayChances, sayOrder, sayPoints } from "./orders";
 import { MORTAR_COLOURS } from "./plandraw";
 import type { Place, Play } from "./play";
 import type { LookDoc, ShotDoc } from "./protocol";
@@ -107,7 +107,7 @@ function orderRow(play: Play, text: string, then: boolean): HTMLElement {
 
 function shotRow(play: Play, shot: ShotDoc, then: boolean): HTMLElement {
   const ago = shot.ago ? `, last seen ${shot.ago} ticks ago` : "";
-  const points = make("b", { class: "points" }, `${shot.points.toFixed(1)} points`);
+  const points = make("b", { class: "points" }, sayPoints(shot.points));
   return button(play, shot.order, then, make("span", { class: "row" }, make("span", {}, sayOrder(shot.order)), points), odds(shot.chances), make("small", {}, `level ${shot.level}${ago}: ${sayChances(shot.chances)}`));
 }
 

@@ -31,6 +31,8 @@ const FIRE_TICKS = 14;
 const NARROW = 600; // pixels of a map that has no room for sentences
 const PANEL_MS = 250; // while the clock runs the panels follow at a pace that can be read
 const CATCH_UP = 8; // share of the ticks behind, a second
+const LAST_STEPS = 24; // ticks a second, to where the clock stands
+const ROOM_CELLS = 5; // around what is shown first
 
 export type Tab = "orders" | "pieces" | "log" | "hints";
 export type Place = "now" | "then"; // where the picked piece is thought of
@@ -47,6 +49,7 @@ export class Play {
   readonly timeline = new Timeline(byId<HTMLCanvasElement>("timeline"));
   readonly known = new Known(() => this.wire, () => this.session, () => this.ask());
   time = 0; // that is shown
+  speed = 8; // at which the clock is to run, ticks a second
   looking = false; // back, at what was
   picked: Piece | null = null;
   hover = -1;
@@ -95,6 +98,8 @@ export class Play {
     const first = this.session === undefined;
     this.session = session;
     this.time = session.tick;
+    this.speed = session.state.clock.speed;
+    this.looking = false;
     this.picked = this.picked && session.game.pieces[this.picked.index];
     this.known.forget();
     byId("app").hidden = false;
@@ -112,11 +117,20 @@ export class Play {
   private build(): void {
     this.stage = new Stage(this.session.game, () => this.ask());
     this.stage.resize(this.ratio);
-    this.stage.frame(this.scene());
+    this.frameOwn();
     byId("fallback").hidden = true;
     new ResizeObserver(() => this.resized()).observe(byId("stage"));
     performance.mark("first frame");
     this.onBegin();
+  }
+
+  /** Own pieces and the points: where orders are given first. */
+  private frameOwn(): void {
+    const { game, story, map, tick, camp } = this.session;
+    const own = game.at(tick).pieces.filter((one) => one.piece.camp === camp && one.blood > 0 && one.cell >= 0);
+    const places = [...own.map((one) => one.at), ...story.points.map(([, cell]) => centre(map, cell))];
+    if (places.length) this.stage.camera.show(places, ROOM_CELLS);
+    else this.stage.camera.fit();
   }
 
   onBegin: () => void = () => {};
@@ -200,9 +214,8 @@ export class Play {
   }
 
   run(): void {
-    const { speed } = this.session.state.clock;
     this.told = "";
-    void this.send("run", { speed });
+    void this.send("run", { speed: this.speed });
   }
 
   pause(): void {
@@ -219,13 +232,15 @@ export class Play {
     void this.send("step", { to });
   }
 
-  faster(by: 1 | -1): void {
-    const { clock } = this.session.state;
-    const k = SPEEDS.findIndex((speed) => speed >= clock.speed);
-    const speed = SPEEDS[Math.max(0, Math.min(SPEEDS.length - 1, (k < 0 ? SPEEDS.length - 1 : k) + by))];
-    clock.speed = speed;
-    if (clock.running) void this.send("run", { speed });
+  setSpeed(speed: number): void {
+    this.speed = speed;
+    if (this.session.state.clock.running) void this.send("run", { speed });
     this.ask();
+  }
+
+  faster(by: 1 | -1): void {
+    const k = SPEEDS.indexOf(this.speed) + by;
+    this.setSpeed(SPEEDS[Math.max(0, Math.min(SPEEDS.length - 1, k))]);
   }
 
   undo(): void {
@@ -319,7 +334,7 @@ export class Play {
     if (!this.isBehind) return;
     const { tick, state } = this.session;
     const gap = tick - this.time;
-    const pace = Math.max(state.clock.running ? state.clock.speed : 2, gap * CATCH_UP);
+    const pace = Math.max(state.clock.running ? state.clock.speed : LAST_STEPS, gap * CATCH_UP);
     this.time = this.still.matches ? tick : Math.min(tick, this.time + (ms / 1000) * pace);
   }
 
@@ -369,7 +384,8 @@ export class Play {
     }
     say(byId("tick"), String(tick));
     say(byId("of"), ` of ${clock.end}  (${Math.floor(tick / 60)}:${String(tick % 60).padStart(2, "0")})`);
-    say(byId("speed"), `${clock.speed}×`);
+    say(byId("speed"), `${this.speed}×`);
+    byId("back").hidden = !this.looking;
     byId("play").classList.toggle("on", clock.running);
     byId("play").setAttribute("aria-label", clock.running ? "Pause" : "Run");
     for (const id of ["play", "one", "event", "decision", "speed"]) byId<HTMLButtonElement>(id).disabled = !this.session.commands;
