@@ -29,8 +29,9 @@ export interface Choices {
   fireTicks: number; // how long fire is shown
 }
 
-/** What a page draws on top: between fog and pieces, and above them. */
+/** What a page draws on top: on the ground, between fog and pieces, and above them. */
 export interface Overlay {
+  ground(ctx: CanvasRenderingContext2D, stage: Stage): void;
   below(ctx: CanvasRenderingContext2D, stage: Stage): void;
   above(ctx: CanvasRenderingContext2D, stage: Stage): void;
 }
@@ -117,6 +118,7 @@ export class Stage {
     this.tokens = tokensOf(game, state, camera, ghosts, away);
     const marks = this.clear("marks", ratio);
     this.labels.length = 0;
+    overlay?.ground(marks, this);
     this.drawAsked(marks, scene, choices);
     drawPoints(marks, game, state, camera, palette, this.tokens);
     this.drawBeliefs(marks, scene, away);

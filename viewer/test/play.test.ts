@@ -3,6 +3,7 @@ import { readMap } from "../src/hex";
 import { readTyped } from "../src/play/command";
 import { stepped } from "../src/play/cursor";
 import { actOf } from "../src/play/hands";
+import { Lookup } from "../src/play/lookup";
 import { cellsOf, classes, endOf, sayChances, sayOrder, stepOf } from "../src/play/orders";
 import type { Play } from "../src/play/play";
 import { type Change, type HelloDoc, type NowDoc, changed } from "../src/play/protocol";
@@ -112,6 +113,21 @@ test("a closed socket answers nobody, and questions of the pointer stay below th
   }
   expect(count).toBe(25);
   expect(wire.hasRoom(1200)).toBe(true);
+});
+
+test("a place is asked for once, the old answer stands while a new one is under way", async () => {
+  const sent: { id: number }[] = [];
+  const wire = new Wire({ send: (text) => sent.push(JSON.parse(text)) }, () => {});
+  const news = vi.fn();
+  const paths = new Lookup("path", news);
+  const get = (version: number) => paths.get(wire, "tank0 4", { piece: "tank0", to: 4, from: null }, version);
+  expect([get(0), get(0)]).toEqual([undefined, undefined]);
+  expect(sent).toHaveLength(1);
+  wire.take(JSON.stringify({ say: "answer", to: sent[0].id, arrives: 40 }));
+  await vi.waitFor(() => expect(news).toHaveBeenCalledOnce());
+  expect([get(0), get(1)]).toMatchObject([{ arrives: 40 }, { arrives: 40 }]);
+  await paths.need(wire, "tank0 4", {}, 0);
+  expect(sent).toHaveLength(1);
 });
 
 // --- orders ---------------------------------------------------------------------------------------

@@ -4,8 +4,9 @@ import { badge, facts, make } from "../dom";
 import { cellName } from "../hex";
 import { spoken } from "../log";
 import { pieceCard } from "../piecespanel";
+import type { Piece } from "../state";
 import { MORTAR_CLASSES, startOf } from "./aim";
-import { CLASS_NAMES, classes, percent, readOrder, sayChances, sayOrder, sayPoints } from "./orders";
+import { CLASS_NAMES, classes, endOf, percent, readOrder, sayChances, sayOrder, sayPoints } from "./orders";
 import { MORTAR_COLOURS } from "./plandraw";
 import type { Place, Play } from "./play";
 import type { LookDoc, ShotDoc } from "./protocol";
@@ -54,7 +55,7 @@ function stateOf(play: Play): HTMLElement {
   const kind = session.story.rules.kinds[piece.kind];
   const sees = session.game.seenFrom(piece, session.game.at(session.tick)).map((one) => spoken(one.piece.name)).join(", ");
   const aboard = shown.carrier >= 0 ? `aboard ${session.game.pieces[shown.carrier].short}, ` : "";
-  const goal = play.goalText(piece.short);
+  const goal = goalText(play, piece);
   const rows: [string, string][] = [
     ["where", `${aboard}${cellName(session.map, shown.cell)}${goal ? `, will be in ${goal}` : ""}`],
     ["does", [session.game.doing(piece, session.tick), shown.hidden ? "hidden" : "", shown.suppressed ? "suppressed" : ""].filter(Boolean).join(", ")],
@@ -64,6 +65,14 @@ function stateOf(play: Play): HTMLElement {
   const all = make("button", { type: "button", id: "all-of-it", class: "quiet" }, "all of it");
   all.addEventListener("click", () => play.openTab("pieces"));
   return make("section", { class: "state" }, make("h2", {}, badge(piece.camp, piece.letter), spoken(piece.name), all), facts(rows));
+}
+
+/** The cell in which it will stand; nothing where it stays. */
+function goalText(play: Play, piece: Piece): string {
+  const { map, game, tick, state } = play.session;
+  const here = game.shown(piece, tick).cell;
+  const end = endOf(map, here, state.tray[piece.short], state.plans[piece.short] ?? []);
+  return end === here ? "" : cellName(map, end);
 }
 
 /** Now, or in the cell in which the plan ends. */

@@ -56,7 +56,7 @@ export function mortarPaths(map: HexMap, key: string, cells: [number, number][])
   return { key, byClass: [0, 1, 2].map((one) => paths(map, of(one), outline)), hatch: paths(map, of(0), stripe) };
 }
 
-export const MORTAR_COLOURS = ["rgba(70,74,90,0.28)", "rgba(255,206,48,0.50)", "rgba(222,60,8,0.78)"];
+export const MORTAR_COLOURS = ["rgba(70,74,90,0.28)", "rgba(255,206,48,0.42)", "rgba(222,60,8,0.78)"];
 
 function drawMortar(ctx: Ctx, layer: MortarPaths, camera: Camera): void {
   withMap(ctx, camera, () => {
@@ -64,8 +64,8 @@ function drawMortar(ctx: Ctx, layer: MortarPaths, camera: Camera): void {
       ctx.fillStyle = MORTAR_COLOURS[k];
       for (const path of found) ctx.fill(path);
     });
-    ctx.lineWidth = 0.06;
-    ctx.strokeStyle = "rgba(255,255,255,0.5)";
+    ctx.lineWidth = 0.05;
+    ctx.strokeStyle = "rgba(255,255,255,0.42)";
     for (const path of layer.hatch) ctx.stroke(path);
   });
 }
@@ -120,8 +120,10 @@ export function labels(ctx: Ctx, lines: string[], at: Point, camera: Camera, pal
 export function overlayOf(drawn: Drawn): Overlay {
   const { palette } = drawn;
   return {
-    below(ctx: Ctx, { camera }: Stage): void {
+    ground(ctx: Ctx, { camera }: Stage): void {
       if (drawn.mortar) drawMortar(ctx, drawn.mortar, camera);
+    },
+    below(ctx: Ctx, { camera }: Stage): void {
       for (const way of drawn.ways) drawPath(ctx, drawn.map, way.from, way.cells, camera, way.picked ? drawn.colour : fade(drawn.colour, 0.6));
       if (drawn.preview) drawPreview(ctx, drawn.preview, camera, drawn);
       if (drawn.cursor >= 0) drawCursor(ctx, drawn, camera);

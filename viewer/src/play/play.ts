@@ -1,38 +1,29 @@
-// The page of a game that is played: one store, one draw. What stands on it is in desk.ts, who touches it in hands.ts.
+// The page of a game that is played: one store. What is drawn of it is in painter.ts, what stands around it in desk.ts, who touches it in hands.ts.
 
 import { SPEEDS } from "../commands";
-import { byId, press, say } from "../dom";
-import { cellName, centre } from "../hex";
+import { byId, say } from "../dom";
+import { centre } from "../hex";
 import { type Entry, signed } from "../log";
-import { logPanel } from "../logpanel";
 import { paletteOf } from "../palette";
-import { piecesPanel } from "../piecespanel";
 import type { Scene } from "../scene";
-import { type Overlay, Stage } from "../stage";
+import { Stage } from "../stage";
 import type { Piece, Shown } from "../state";
-import { CAMPS } from "../story";
 import { Timeline } from "../timeline";
 import { type Aim, aimOf, startOf } from "./aim";
-import { sayStanding, showEnding, showNotice, showScore } from "./desk";
-import { hintsPanel } from "./hintspanel";
+import { showEnding, showNotice, showScore } from "./desk";
 import { Known } from "./known";
 import { Link } from "./link";
-import { endOf, sayOrder } from "./orders";
-import { ordersPanel } from "./orderspanel";
-import { type MortarPaths, mortarPaths, overlayOf } from "./plandraw";
+import { sayOrder } from "./orders";
+import { Painter } from "./painter";
 import type { Answers, Ask, Fields, LookDoc, MortarDoc, NowDoc, PathDoc, Said } from "./protocol";
 import { Session } from "./session";
-import { showTray } from "./tray";
-import { shotsOf, waysOf } from "./ways";
 import { Refused, Wire } from "./wire";
 
 const MOST_RATIO = 2; // device pixels a CSS pixel
-const FIRE_TICKS = 14;
-const NARROW = 600; // pixels of a map that has no room for sentences
-const PANEL_MS = 250; // while the clock runs the panels follow at a pace that can be read
 const CATCH_UP = 8; // share of the ticks behind, a second
 const LAST_STEPS = 24; // ticks a second, to where the clock stands
 const ROOM_CELLS = 5; // around what is shown first
+const FIRST_SCALE = 26; // pixels a cell, at most
 
 export type Tab = "orders" | "pieces" | "log" | "hints";
 export type Place = "now" | "then"; // where the picked piece is thought of
@@ -67,8 +58,7 @@ export class Play {
   readonly costs: number[] = [];
   private asked = 0;
   private before = 0;
-  private panelled = 0;
-  private mortarDrawn: MortarPaths | null = null;
+  private readonly painter = new Painter(this);
 
   // --- what the server says -----------------------------------------------------------------------
 
@@ -129,8 +119,10 @@ export class Play {
     const { game, story, map, tick, camp } = this.session;
     const own = game.at(tick).pieces.filter((one) => one.piece.camp === camp && one.blood > 0 && one.cell >= 0);
     const places = [...own.map((one) => one.at), ...story.points.map(([, cell]) => centre(map, cell))];
-    if (places.length) this.stage.camera.show(places, ROOM_CELLS);
-    else this.stage.camera.fit();
+    const { camera } = this.stage;
+    if (places.length === 0) return camera.fit();
+    camera.show(places, ROOM_CELLS);
+    camera.zoom(Math.min(1, FIRST_SCALE / camera.scale), { x: camera.width / 2, y: camera.height / 2 });
   }
 
   onBegin: () => void = () => {};
@@ -149,7 +141,7 @@ export class Play {
 
   /** The clock stands: what has happened is said. */
   private halted(): void {
-    this.panelled = 0;
+    this.painter.hurry();
     this.announce(this.session.stopped ?? "");
   }
 
@@ -321,7 +313,7 @@ export class Play {
     this.asked = 0;
     this.goOn(Math.min(250, now - this.before));
     this.before = now;
-    this.draw(now);
+    this.painter.draw(now);
     if (this.session.state.clock.running || this.isBehind) this.ask();
   }
 
@@ -336,89 +328,6 @@ export class Play {
     const gap = tick - this.time;
     const pace = Math.max(state.clock.running ? state.clock.speed : LAST_STEPS, gap * CATCH_UP);
     this.time = this.still.matches ? tick : Math.min(tick, this.time + (ms / 1000) * pace);
-  }
-
-  private draw(now: number): void {
-    const start = performance.now();
-    const scene = this.scene();
-    if (this.follow) this.chase(scene);
-    const policy = this.tab === "hints";
-    const { speed } = this.session.state.clock;
-    const hot = this.hot && this.hot.to >= 0 ? { shape: "arrow" as const, from: this.hot.from, to: this.hot.to } : null;
-    this.stage.draw(scene, { ...this.on, beliefs: true, policy: policy && this.picked !== null, fireTicks: Math.max(FIRE_TICKS, speed * 0.9) }, hot, this.overlay(scene));
-    this.timeline.loop = null;
-    this.timeline.draw(scene.time, scene.palette, this.ratio, false);
-    this.drawTexts(scene, now);
-    this.costs.push(performance.now() - start);
-    if (this.costs.length > 2000) this.costs.splice(0, 1000);
-  }
-
-  private overlay(scene: Scene): Overlay {
-    const { camp, map } = this.session;
-    const aim = this.aimed >= 0 ? this.aimAt(this.aimed, this.then) : null;
-    const bare = aim && { from: centre(map, aim.cell), cells: [], lines: aim.lines, eyes: [], end: aim.cell };
-    const preview = aim?.preview ?? bare;
-    const inTray = this.hover < 0 && this.stage.camera.width < NARROW; // the tray says it, and there is no room for it twice
-    return overlayOf({
-      map, palette: scene.palette, colour: scene.palette.camp[camp],
-      ways: this.looking ? [] : waysOf(this), shots: this.looking ? [] : shotsOf(this),
-      preview: preview && inTray ? { ...preview, lines: [] } : preview, cursor: this.cursor, mortar: this.mortarLayer(),
-    });
-  }
-
-  private mortarLayer(): MortarPaths | null {
-    if (!this.mortar || !this.canOrder) return null;
-    const groups = this.lookHere()?.mortar ?? [];
-    const cells = groups.flatMap((group) => group.cells.map((cell): [number, number] => [cell, group.class]));
-    const key = `${this.picked?.index} ${this.place} ${cells.length} ${cells.map(([cell, one]) => cell * 3 + one).reduce((a, b) => (a * 31 + b) % 1_000_000_007, 7)}`;
-    if (this.mortarDrawn?.key !== key) this.mortarDrawn = mortarPaths(this.session.map, key, cells);
-    return this.mortarDrawn;
-  }
-
-  private drawTexts(scene: Scene, now: number): void {
-    const { clock } = this.session.state;
-    const tick = Math.floor(this.time);
-    for (const camp of CAMPS) {
-      const margin = scene.state.margin[camp];
-      if (margin !== undefined) say(byId(`margin-${camp}`), signed(margin));
-    }
-    say(byId("tick"), String(tick));
-    say(byId("of"), ` of ${clock.end}  (${Math.floor(tick / 60)}:${String(tick % 60).padStart(2, "0")})`);
-    say(byId("speed"), `${this.speed}×`);
-    byId("back").hidden = !this.looking;
-    byId("play").classList.toggle("on", clock.running);
-    byId("play").setAttribute("aria-label", clock.running ? "Pause" : "Run");
-    for (const id of ["play", "one", "event", "decision", "speed"]) byId<HTMLButtonElement>(id).disabled = !this.session.commands;
-    sayStanding(this);
-    const slider = byId("timeline");
-    slider.setAttribute("aria-valuemax", String(this.session.tick));
-    slider.setAttribute("aria-valuenow", String(tick));
-    slider.setAttribute("aria-valuetext", `tick ${tick}`);
-    showTray(this);
-    if (clock.running && now - this.panelled < PANEL_MS) return;
-    this.panelled = now;
-    this.drawPanel(scene);
-  }
-
-  private drawPanel(scene: Scene): void {
-    const panel = byId("panel");
-    if (this.tab === "orders") ordersPanel(panel, this);
-    else if (this.tab === "pieces") piecesPanel(panel, scene);
-    else if (this.tab === "log") logPanel(panel, scene, true);
-    else hintsPanel(panel, this, scene);
-    for (const button of byId("tabs").children) button.setAttribute("aria-selected", String(button.id === `tab-${this.tab}`));
-    for (const name of ["los", "ranges", "fog"] as const) press(byId(`on-${name}`), this.on[name]);
-    press(byId("on-follow"), this.follow);
-    press(byId("on-mortar"), this.mortar);
-  }
-
-  private chase(scene: Scene): void {
-    const shown = this.picked ? scene.state.pieces[this.picked.index] : null;
-    if (!shown || shown.cell < 0) return;
-    const { camera } = this.stage;
-    const at = camera.toScreen(shown.at);
-    camera.pan((camera.width / 2 - at.x) * 0.15, (camera.height / 2 - at.y) * 0.15);
-    if (Math.hypot(camera.width / 2 - at.x, camera.height / 2 - at.y) > 2) this.ask();
   }
 
   resized(): void {
@@ -496,7 +405,7 @@ export class Play {
   openTab(tab: Tab): void {
     this.tab = tab;
     byId("panel").dataset.key = "";
-    this.panelled = 0;
+    this.painter.hurry();
     this.ask();
   }
 
@@ -523,15 +432,5 @@ export class Play {
   private pointAt(entry: Entry | null): void {
     this.hot = entry;
     this.ask();
-  }
-
-  /** Where a piece is going, in words. */
-  goalText(short: string): string {
-    const { map, game, tick, state, camp } = this.session;
-    const piece = game.byName(`${camp}:${short}`);
-    if (!piece) return "";
-    const here = game.shown(piece, tick).cell;
-    const end = endOf(map, here, state.tray[short], state.plans[short] ?? []);
-    return end === here ? "" : cellName(map, end);
   }
 }
