@@ -62,10 +62,12 @@ test("what the server says by itself is drawn: a piece moves, an enemy is seen, 
   }));
   expect(session.game.at(20).pieces.map((one) => [one.cell, one.how])).toEqual([[1, "own"], [4, "seen"]]);
   expect(session.game.at(10).pieces[0].at.x).toBeGreaterThan(session.game.at(0).pieces[0].at.x);
-  expect(session.stopped).toBe("blue:tank0 came into sight in 0501");
+  expect([session.stopped, session.stoppedAt]).toEqual(["blue:tank0 came into sight in 0501", 4]);
   expect(session.entries.map((one) => one.text)).toEqual(["red sees blue tank0 in 0501"]);
   session.take(now({ clock: { ...state.clock, tick: 20, running: true } }));
-  expect(session.stopped).toBeNull();
+  expect([session.stopped, session.stoppedAt]).toEqual([null, -1]);
+  session.take(now({ clock: { ...state.clock, tick: 20 }, stopped: "tank0 lost 1, 2 left" }));
+  expect(session.stoppedAt).toBe(1);
 });
 
 test("a piece is idle until somebody tells it what to do", () => {

@@ -53,6 +53,7 @@ export const KEYS: [string, string][] = [
   ["h o s", "hide, occupy, stop"],
   ["m", "mortar: the cells that it reaches"],
   ["l r g", "line of sight, ranges, fog"],
+  ["c", "show on the map why the clock stopped"],
   ["f", "follow the picked piece"],
   ["e i t q", "panels: orders, pieces, log, hints"],
   ["p", "when the clock stops by itself"],

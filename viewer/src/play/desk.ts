@@ -49,6 +49,8 @@ export function sayStanding(play: Play): void {
   else if (play.looking) text = "You look back. End leads to now.";
   else if (clock.running) text = "The clock runs.";
   say(byId("said"), `${text.replace("..", ".")}${rung}`);
+  byId("said").title = text;
+  byId("show-stop").hidden = session.stoppedAt < 0 || clock.running || play.looking;
 }
 
 export function showNotice(text: string, again: (() => void) | null): void {
@@ -99,8 +101,9 @@ const BY_TOUCH = [
 
 /** How to give a first order. */
 export function showFirst(): void {
-  const steps = matchMedia("(pointer: coarse)").matches ? BY_TOUCH : BY_MOUSE;
-  const found = dialog("first", make("h2", { id: "first-title" }, "Your first order"), make("ol", {}, ...steps.map((step) => make("li", {}, step))), make("p", { class: "soft" }, "The clock stops by itself when an enemy comes into sight, when you lose something, and when a piece has nothing left to do. You win by points: what your pieces and your control points are worth, less theirs. A piece takes a point by the order Occupy in its cell. All can be done by keys alone: ? lists them."));
+  const touch = matchMedia("(pointer: coarse)").matches;
+  const steps = touch ? BY_TOUCH : BY_MOUSE;
+  const found = dialog("first", make("h2", { id: "first-title" }, "Your first order"), make("ol", {}, ...steps.map((step) => make("li", {}, step))), make("p", { class: "soft" }, "The clock stops by itself when an enemy comes into sight, when you lose something, and when a piece has nothing left to do. You win by points: what your pieces and your control points are worth, less theirs. A piece takes a point by the order Occupy in its cell."), touch ? "" : make("p", { class: "soft" }, "All can be done by keys alone: ? lists them."));
   const rules = make("a", { href: "/rules", target: "_blank", rel: "noopener" }, "The rules");
   found.append(make("div", { class: "buttons" }, closing(found, "Begin"), rules));
   found.showModal();

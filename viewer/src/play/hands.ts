@@ -21,7 +21,7 @@ export function listen(play: Play): void {
     play: () => play.toggleClock(), one: () => play.step("tick"), event: () => play.step("event"), decision: () => play.step("decision"),
     speed: () => play.setSpeed(SPEEDS[(SPEEDS.indexOf(play.speed) + 1) % SPEEDS.length]), theme: () => play.setDark(!play.dark), help: () => byId<HTMLDialogElement>("keys").showModal(),
     stops: () => showStops(play), closer: () => play.zoom(1.5), farther: () => play.zoom(1 / 1.5), whole: () => play.whole(),
-    back: () => play.look(play.session.tick),
+    back: () => play.look(play.session.tick), "show-stop": () => play.showStop(),
   };
   for (const [id, act] of Object.entries(clicks)) byId(id).addEventListener("click", act);
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", (event) => play.setDark(event.matches));
@@ -89,7 +89,7 @@ function meant(play: Play, cell: number, then: boolean, event: PointerEvent): vo
 function key(play: Play, event: KeyboardEvent): void {
   if (event.ctrlKey || event.altKey || event.metaKey || !play.session) return;
   if (event.target instanceof HTMLInputElement) return typing(play, event);
-  if (document.querySelector("dialog[open]")) return;
+  if (document.querySelector("dialog[open]") || (event.repeat && !isStep(event.key))) return;
   const { target } = event;
   const inPanel = target instanceof Node && byId("panel").contains(target);
   const pressed = target instanceof HTMLButtonElement || target instanceof HTMLAnchorElement || (target instanceof HTMLElement && target.tagName === "SUMMARY");
@@ -110,7 +110,7 @@ export function actOf(play: Play, event: KeyboardEvent): (() => void) | undefine
     Enter: () => enter(play, event.shiftKey), Backspace: () => play.undo(), " ": () => play.toggleClock(), ".": () => play.step("tick"), n: () => play.step("event"), d: () => play.step("decision"),
     "[": () => play.faster(-1), "]": () => play.faster(1), h: order("hide"), o: order("occupy"), s: order("stop"), m: () => play.toggle("mortar"),
     l: () => play.toggle("los"), r: () => play.toggle("ranges"), g: () => play.toggle("fog"), f: () => play.toggle("follow"),
-    e: tab("orders"), i: tab("pieces"), t: tab("log"), q: tab("hints"), a: () => openActs(play), p: () => showStops(play),
+    e: tab("orders"), i: tab("pieces"), t: tab("log"), q: tab("hints"), a: () => openActs(play), p: () => showStops(play), c: () => play.showStop(),
     Home: () => play.look(0), End: () => play.look(play.session.tick), "+": () => play.zoom(1.5), "=": () => play.zoom(1.5), "-": () => play.zoom(1 / 1.5), "0": () => play.whole(),
     "/": () => openLine(), "?": () => byId<HTMLDialogElement>("keys").showModal(), Escape: () => letGo(play),
   };

@@ -99,7 +99,7 @@ export class Play {
     if (first) this.build();
     byId("panel").dataset.key = "";
     this.showTimeline();
-    this.announce(first ? `You command ${session.camp} against ${session.hello.opponent}` : "Connected");
+    this.announce(session.role !== "commands" ? "This tab reads along" : `You command ${session.camp} against ${session.hello.opponent}`);
     if (session.over) showEnding(this, session.over);
     this.ask();
   }
@@ -133,7 +133,10 @@ export class Play {
     this.session.take(now);
     if ("events" in now.story || before !== this.session.tick) this.showTimeline();
     for (const [, order, why] of now.refused) this.tell(`${sayOrder(order)}: ${why}`);
-    if (before !== this.session.tick) this.look(this.session.tick, false);
+    if (before !== this.session.tick) {
+      this.hot = null;
+      this.look(this.session.tick, false);
+    }
     if (!now.clock.running && (ran || before !== now.clock.tick)) this.halted();
     byId("panel").dataset.stale = "1";
     this.ask();
@@ -386,6 +389,17 @@ export class Play {
     if (back !== this.looking && told) this.tell(back ? `You look back at tick ${Math.floor(tick)}. End leads to now.` : "Now");
     this.looking = back && told;
     byId("panel").dataset.stale = "1";
+    this.ask();
+  }
+
+  /** Where that happened for which the clock stopped. */
+  showStop(): void {
+    const cell = this.session.stoppedAt;
+    if (cell < 0) return;
+    const { camera } = this.stage;
+    const at = camera.toScreen(centre(this.session.map, cell));
+    camera.pan(camera.width / 2 - at.x, camera.height / 2 - at.y);
+    this.hot = { tick: this.session.tick, camp: this.session.camp, shape: "note", group: "rest", text: "", luck: null, from: -1, to: cell, dead: false, result: -1 };
     this.ask();
   }
 

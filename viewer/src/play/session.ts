@@ -1,6 +1,6 @@
 // The game as the page knows it: what the server said, put together. No drawing here.
 
-import { type HexMap, readMap } from "../hex";
+import { type HexMap, parseCell, readMap } from "../hex";
 import { type Entry, entriesOf } from "../log";
 import { Game } from "../state";
 import { type Camp, type Choice, type StoryDoc, withPolicy } from "../story";
@@ -83,6 +83,15 @@ export class Session {
     const piece = this.game.byName(`${this.camp}:${name}`);
     if (!piece || this.game.shown(piece, this.tick).blood === 0) return false;
     return this.game.doing(piece, this.tick) === "settled" && !this.state.tray[name] && !this.state.plans[name]?.length;
+  }
+
+  /** Where that happened for which the clock stopped; -1: nowhere, or it did not. */
+  get stoppedAt(): number {
+    const text = this.stopped ?? "";
+    const cell = parseCell(this.map, /\b[0-9]{4}\b/.exec(text)?.[0] ?? "");
+    if (cell >= 0) return cell;
+    const piece = this.game.pieces.find((one) => one.camp === this.camp && text.startsWith(`${one.short} `));
+    return piece ? this.game.shown(piece, this.tick).cell : -1;
   }
 
   get waiting(): number {

@@ -52,7 +52,7 @@ function longer(play: Play, piece: Piece, course: Course, goal: number): Course 
   const end = course.cells[course.cells.length - 1] ?? cellOf(play, piece);
   if (end === goal) return course;
   const leg = play.known.leg(piece.short, end, goal);
-  if (!leg) return course;
+  if (!leg) return { ...course, arrives: -1 }; // not known yet
   return { cells: [...course.cells, ...leg.cells], arrives: course.arrives < 0 ? -1 : course.arrives + leg.arrives - leg.start };
 }
 
