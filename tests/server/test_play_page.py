@@ -7,7 +7,7 @@ import os
 import shutil
 import subprocess
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -17,6 +17,7 @@ from hexwar_sb3.cli import main
 
 if TYPE_CHECKING:
     from hexwar_sb3.server.app import Server
+    from hexwar_sb3.server.session import Session
 
 pytest.importorskip("uvicorn", reason="pip install 'hexwar_sb3[play]'")
 
@@ -48,14 +49,13 @@ SHORT = {
 
 
 @pytest.fixture
-def server(tmp_path: Path) -> Iterator[Server]:
-    """Of a new short game; what is left of it is in its folder."""
+def server(begin: Callable[..., Session], tmp_path: Path) -> Iterator[Server]:
+    """Of a new short game, with a clock that takes its time."""
     from hexwar_sb3.server.app import Server
-    from hexwar_sb3.server.session import Session, Setup
 
     scenario = tmp_path / "short.scenario.json"
     scenario.write_text(json.dumps(SHORT))
-    server = Server(Session(Setup(scenario=scenario, seed=3, name="evening", folder=tmp_path)))
+    server = Server(begin(scenario=scenario, name="evening"))
     thread = threading.Thread(target=server.run)
     thread.start()
     yield server
@@ -78,12 +78,8 @@ def test_a_whole_game_is_played(mode: str, server: Server) -> None:
     _, problems = process.communicate(timeout=300)
 
     assert process.returncode == 0, problems
-    replay = server.session.replay
-    assert replay is not None
-    path = server.session.file
-    replay.save(path)
     with pytest.raises(SystemExit) as end:
-        main(("watch", str(path), "--verify"))
+        main(("watch", str(server.session.file), "--verify"))
     assert end.value.code == 0
 
 

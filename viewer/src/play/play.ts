@@ -114,11 +114,11 @@ export class Play {
     this.onBegin();
   }
 
-  /** Own pieces and the points: where orders are given first. */
+  /** Own pieces, enemies in sight and the points: where orders are given first. */
   private frameOwn(): void {
     const { game, story, map, tick, camp } = this.session;
-    const own = game.at(tick).pieces.filter((one) => one.piece.camp === camp && one.blood > 0 && one.cell >= 0);
-    const places = [...own.map((one) => one.at), ...story.points.map(([, cell]) => centre(map, cell))];
+    const known = game.at(tick).pieces.filter((one) => (one.piece.camp === camp || one.how === "seen") && one.blood > 0 && one.cell >= 0);
+    const places = [...known.map((one) => one.at), ...story.points.map(([, cell]) => centre(map, cell))];
     const { camera } = this.stage;
     if (places.length === 0) return camera.fit();
     camera.show(places, ROOM_CELLS);
