@@ -8,10 +8,12 @@ import shutil
 import subprocess
 import threading
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pytest
+from PIL import Image
 
 from hexwar_sb3.cli import main
 
@@ -23,7 +25,8 @@ pytest.importorskip("uvicorn", reason="pip install 'hexwar_sb3[play]'")
 
 VIEWER = Path(__file__).parents[2] / "viewer"
 CHROMIUM = os.environ.get("CHROMIUM") or shutil.which("chromium") or shutil.which("chromium-browser")
-PICTURES = os.environ.get("PICTURES")  # folder, for the pictures of docs/play
+PICTURES = os.environ.get("PICTURES")  # folder; PICTURES=docs/play makes the pictures of the guide
+MOST_PICTURE_BYTES = 120_000
 
 pytestmark = [
     pytest.mark.browser,
@@ -48,14 +51,12 @@ SHORT = {
 }
 
 
-@pytest.fixture
-def server(begin: Callable[..., Session], tmp_path: Path) -> Iterator[Server]:
-    """Of a new short game, with a clock that takes its time."""
+@contextmanager
+def served(session: Session) -> Iterator[Server]:
+    """A server whose clock takes its time."""
     from hexwar_sb3.server.app import Server
 
-    scenario = tmp_path / "short.scenario.json"
-    scenario.write_text(json.dumps(SHORT))
-    server = Server(begin(scenario=scenario, name="evening"))
+    server = Server(session)
     thread = threading.Thread(target=server.run)
     thread.start()
     yield server
@@ -63,9 +64,19 @@ def server(begin: Callable[..., Session], tmp_path: Path) -> Iterator[Server]:
     thread.join(timeout=20)
 
 
+@pytest.fixture
+def server(begin: Callable[..., Session], tmp_path: Path) -> Iterator[Server]:
+    """Of a new short game."""
+    scenario = tmp_path / "short.scenario.json"
+    scenario.write_text(json.dumps(SHORT))
+    with served(begin(scenario=scenario, name="evening")) as server:
+        yield server
+
+
 def browser(address: str, mode: str) -> subprocess.Popen[str]:
     """A browser at an address; what it prints can be read."""
-    command = ["node", "e2e/play.mjs", address, mode, *([PICTURES] if PICTURES else [])]
+    pictures = [] if PICTURES is None else [str(Path(PICTURES).resolve())]
+    command = ["node", "e2e/play.mjs", address, mode, *pictures]
     env = {**os.environ, "CHROMIUM": str(CHROMIUM)}
     pipes: Any = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
     return subprocess.Popen(command, cwd=VIEWER, env=env, text=True, **pipes)
@@ -101,3 +112,18 @@ def test_a_server_that_is_gone_is_told(server: Server) -> None:
 
     _, problems = process.communicate(timeout=120)
     assert process.returncode == 0, problems
+
+
+@pytest.mark.skipif(PICTURES is None, reason="PICTURES=docs/play makes them")
+@pytest.mark.parametrize("mode", ["guide", "guide-phone"])
+def test_the_pictures_of_the_guide(mode: str, begin: Callable[..., Session]) -> None:
+    """The same game gives the same pictures; they are small."""
+    with served(begin(scenario="plain", seed=5, name="evening")) as server:
+        process = browser(server.guard.address, mode)
+        _, problems = process.communicate(timeout=300)
+
+    assert process.returncode == 0, problems
+    for path in Path(str(PICTURES)).glob("*.png"):
+        image = Image.open(path).convert("RGB")
+        image.quantize(240, Image.Quantize.MAXCOVERAGE).save(path, optimize=True)
+        assert path.stat().st_size < MOST_PICTURE_BYTES

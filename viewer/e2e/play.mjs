@@ -346,11 +346,84 @@ async function lost(context) {
   await readable(page, "without a server");
 }
 
+// --- the pictures of the guide ----------------------------------------------------------------------
+
+const OPENING = ["tank0 go 3135", "tank1 go 3147", "chariot0 go 2737", "chariot1 go 2743", "aerocraft0 go 3840", "speed 64"];
+
+async function typed(page, line) {
+  await page.keyboard.press("/");
+  await page.keyboard.type(line);
+  await page.keyboard.press("Enter");
+  await page.waitForTimeout(100);
+}
+
+/** Give orders, and let the clock run from stop to stop until a tick. */
+async function playTo(page, wanted) {
+  while ((await tick(page)) < wanted) await again(page, () => page.keyboard.press("Enter"));
+  await page.waitForTimeout(400);
+}
+
+/** Show a part of the map, between two cells. */
+async function showPart(page, cells, room) {
+  await page.evaluate(([cells, room]) => window.hexwar.show(cells, room), [cells, room]);
+  await page.waitForTimeout(500);
+}
+
+async function opened(context) {
+  const page = await open(context);
+  await page.keyboard.press("Enter");
+  for (const line of OPENING) await typed(page, line);
+  return page;
+}
+
+async function guide(context) {
+  const page = await opened(context);
+  await playTo(page, 400);
+  await page.keyboard.press("2");
+  await showPart(page, ["2537", "4349"], 3);
+  await clickOn(page, await place(page, "3145"));
+  await page.keyboard.down("Shift");
+  await hoverOn(page, await place(page, "3647"));
+  await page.waitForTimeout(700);
+  await picture(page, "orders");
+  await page.keyboard.up("Shift");
+  await page.keyboard.press("Backspace");
+  await playTo(page, 534);
+  await page.keyboard.press("3");
+  await page.keyboard.press("m");
+  await showPart(page, ["2231", "4449"], 2);
+  await hoverOn(page, await token(page, "blue:tank0"));
+  await page.waitForTimeout(700);
+  await picture(page, "mortar");
+  await playTo(page, 615);
+  await page.keyboard.press("2");
+  await showPart(page, ["2637", "4149"], 2);
+  await hoverOn(page, await token(page, "blue:tank1"));
+  await page.waitForTimeout(700);
+  await picture(page, "fight");
+  await page.keyboard.press("p");
+  await page.click("#finish");
+  await page.waitForSelector("#ending[open]", { timeout: 60_000 });
+  await page.waitForTimeout(800);
+  await picture(page, "end");
+}
+
+async function guidePhone(context) {
+  const page = await opened(context);
+  await playTo(page, 615);
+  await showPart(page, ["2842", "4152"], 0);
+  await page.tap("#pick-tank1");
+  const at = await token(page, "blue:tank1");
+  await page.touchscreen.tap(at.x, at.y);
+  await page.waitForTimeout(700);
+  await picture(page, "phone");
+}
+
 const browser = await chromium.launch({ executablePath, args: ["--no-sandbox"] });
 try {
   const { defaultBrowserType: _, ...pixel } = devices["Pixel 7"];
-  const context = await browser.newContext(mode === "phone" ? { ...pixel, viewport: { width: 390, height: 844 }, deviceScaleFactor: 2 } : { viewport: { width: 1400, height: 900 } });
-  await { mouse, keys, tabs, phone, lost }[mode](context);
+  const context = await browser.newContext(mode.endsWith("phone") ? { ...pixel, viewport: { width: 390, height: 844 }, deviceScaleFactor: 2 } : { viewport: mode === "guide" ? { width: 1280, height: 800 } : { width: 1400, height: 900 } });
+  await { mouse, keys, tabs, phone, lost, guide, "guide-phone": guidePhone }[mode](context);
 } catch (error) {
   problems.push(error.message);
 } finally {

@@ -29,7 +29,7 @@ export interface Choices {
   fireTicks: number; // how long fire is shown
 }
 
-/** What a page draws on top: on the ground, between fog and pieces, and above them. */
+/** What a page draws itself: on the ground, between fog and pieces, and above them. It has the paths of the pieces, too. */
 export interface Overlay {
   ground(ctx: CanvasRenderingContext2D, stage: Stage): void;
   below(ctx: CanvasRenderingContext2D, stage: Stage): void;
@@ -119,7 +119,7 @@ export class Stage {
     const marks = this.clear("marks", ratio);
     this.labels.length = 0;
     overlay?.ground(marks, this);
-    this.drawAsked(marks, scene, choices);
+    this.drawAsked(marks, scene, choices, overlay === undefined);
     drawPoints(marks, game, state, camera, palette, this.tokens);
     this.drawBeliefs(marks, scene, away);
     drawRounds(marks, game, state, time, camera, palette);
@@ -173,7 +173,7 @@ export class Stage {
     return truth.blood === 0 || truth.carrier >= 0 || Math.hypot(truth.at.x - ghost.at.x, truth.at.y - ghost.at.y) > BELIEF_CELLS;
   }
 
-  private drawAsked(ctx: CanvasRenderingContext2D, scene: Scene, choices: Choices): void {
+  private drawAsked(ctx: CanvasRenderingContext2D, scene: Scene, choices: Choices, withPath: boolean): void {
     const { game, state, palette, picked } = scene;
     const shown = picked ? state.pieces[picked.index] : null;
     const from = shown && shown.blood > 0 ? shown.cell : scene.cell;
@@ -186,7 +186,7 @@ export class Stage {
     if (!shown || shown.blood === 0 || shown.cell < 0) return;
     for (const enemy of game.seenFrom(shown.piece, state)) drawEye(ctx, this.camera.toScreen(shown.at), this.camera.toScreen(enemy.at), palette);
     if (choices.ranges) drawRanges(ctx, game, shown, this.camera, palette);
-    drawPath(ctx, game.map, shown.at, game.path(shown.piece, state.tick), this.camera, palette.camp[shown.piece.camp]);
+    if (withPath) drawPath(ctx, game.map, shown.at, game.path(shown.piece, state.tick), this.camera, palette.camp[shown.piece.camp]);
     if (choices.policy) this.drawChoice(ctx, scene, shown, true);
   }
 

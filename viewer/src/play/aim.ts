@@ -8,6 +8,7 @@ import { endOf, percent, readOrder, sayChances, sayPoints } from "./orders";
 import type { LookDoc, MortarDoc, PathDoc, ShotDoc } from "./protocol";
 import type { Preview } from "./plandraw";
 import type { Play } from "./play";
+import { courseOf } from "./ways";
 import { Refused } from "./wire";
 
 const LEAST_POINTS = 0.05; // a shot that is worth telling
@@ -47,17 +48,21 @@ function wayAim(play: Play, cell: number, then: boolean): Aim {
   const steps = [`${short} go ${cellName(session.map, cell)}`];
   if (path === undefined) return { cell, lines: [`${cellName(session.map, cell)} …`], steps, then, preview: null };
   if (path instanceof Refused) return { cell, lines: [path.message], steps: null, then, preview: null };
-  const lines = [wayText(play, path), watchText(path, cell), ...fireText(play.thoughtOf(cell))];
+  const lines = [wayText(play, path, then), watchText(path, cell), ...fireText(play.thoughtOf(cell))];
   const eyes = watchers(path, cell).map((name) => session.game.byName(name)).filter((piece) => piece !== undefined);
   const { state } = play.scene();
   const preview = { from: centre(session.map, startOf(play, then)), cells: path.cells, lines, end: cell, eyes: eyes.map((piece) => state.pieces[piece.index]).filter((one) => one.cell >= 0).map((one) => one.at) };
   return { cell, lines, steps, then, preview };
 }
 
-function wayText(play: Play, path: PathDoc): string {
+/** How far, and when it is there: after a plan the server counts from now, and the plan's own end is added. */
+function wayText(play: Play, path: PathDoc, then: boolean): string {
   const { map, tick } = play.session;
   const count = `${path.cells.length} ${path.cells.length === 1 ? "cell" : "cells"}`;
-  return `${cellName(map, path.goal)}: ${count}, there at tick ${path.arrives} (+${path.arrives - tick})`;
+  const planned = then && play.picked ? courseOf(play, play.picked).arrives : -1;
+  const arrives = planned < 0 ? path.arrives : planned + path.arrives - path.start;
+  if (then && planned < 0) return `${cellName(map, path.goal)}: ${count}, ${path.arrives - path.start} ticks more`;
+  return `${cellName(map, path.goal)}: ${count}, there at tick ${arrives} (+${arrives - tick})`;
 }
 
 function watchers(path: PathDoc, cell: number): string[] {

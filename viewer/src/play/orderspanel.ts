@@ -18,7 +18,7 @@ export function ordersPanel(panel: HTMLElement, play: Play): void {
   const { session, picked } = play;
   const look = picked && play.canOrder ? play.lookHere() : undefined;
   const idle = play.own().map((piece) => session.isIdle(piece.short));
-  const key = JSON.stringify(["orders", picked?.index, session.tick, play.place, play.mortar, idle, look, picked && play.hasPlan(picked.short), play.looking, session.role, session.over !== null]);
+  const key = JSON.stringify(["orders", picked?.index, session.tick, play.place, play.mortar, idle, look, picked && [session.state.tray[picked.short], session.state.plans[picked.short]], play.looking, session.role, session.over !== null]);
   rebuilt(panel, key, () => [pickRow(play), ...body(play, look)]);
 }
 
@@ -100,7 +100,7 @@ function acts(play: Play, look: LookDoc): HTMLElement[] {
     if (verb !== "move" && verb !== "null") found.append(orderRow(play, text, then));
   }
   const legend = play.mortar && look.mortar.length ? [mortarLegend()] : [];
-  return [found, ...legend, make("p", { class: "small soft" }, "A click on the map sends it there; with shift after what is planned."), ...impossible(look)];
+  return [found, ...legend, make("p", { class: "small soft" }, matchMedia("(pointer: coarse)").matches ? "Tap a cell to send it there." : "A click on the map sends it there; with shift after what is planned."), ...impossible(look)];
 }
 
 function button(play: Play, text: string, then: boolean, ...children: (Node | string)[]): HTMLElement {

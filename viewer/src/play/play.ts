@@ -90,7 +90,7 @@ export class Play {
     this.time = session.tick;
     this.speed = session.state.clock.speed;
     this.looking = false;
-    this.picked = this.picked && session.game.pieces[this.picked.index];
+    this.pickAnew();
     this.known.forget();
     byId("app").hidden = false;
     byId("app").classList.toggle("reads", session.role !== "commands");
@@ -131,6 +131,7 @@ export class Play {
     const ran = this.session.state.clock.running;
     const before = this.session.tick;
     this.session.take(now);
+    this.pickAnew();
     if ("events" in now.story || before !== this.session.tick) this.showTimeline();
     for (const [, order, why] of now.refused) this.tell(`${sayOrder(order)}: ${why}`);
     if (before !== this.session.tick) {
@@ -248,6 +249,7 @@ export class Play {
     const hint = await this.send("hint", { piece: this.picked.short });
     if (!hint) return;
     this.session.takeHint(hint);
+    this.pickAnew();
     byId("panel").dataset.key = "";
     this.ask();
   }
@@ -364,6 +366,11 @@ export class Play {
     this.told = "";
     if (piece && this.tab === "log") this.openTab("orders");
     this.ask();
+  }
+
+  /** The picked piece as it is now: each message makes a new game of the story. */
+  private pickAnew(): void {
+    this.picked = this.picked && this.session.game.pieces[this.picked.index];
   }
 
   /** Own pieces by their keys. */
