@@ -43,7 +43,7 @@ export function sayStanding(play: Play): void {
   const { session } = play;
   const { clock } = session.state;
   const { ladder } = session.hello;
-  const rung = ladder ? ` Rung ${ladder.rung + 1} of ${ladder.rungs.length}.` : "";
+  const rung = ladder && !session.over ? ` Rung ${ladder.rung + 1} of ${ladder.rungs.length}.` : "";
   let text = `Paused${session.stopped ? `: ${session.stopped}` : ""}.`;
   if (session.over) text = `The game is over: ${session.over.result}.`;
   else if (play.looking) text = "You look back. End leads to now.";
@@ -149,7 +149,10 @@ export function showEnding(play: Play, over: OverDoc): void {
   if (!found.open) found.showModal();
 }
 
+/** All rungs, and which one is next: a win leads up. */
 function ladderText(ladder: LadderDoc): HTMLElement {
-  const rows = ladder.rungs.map((rung, k) => make("li", k === ladder.rung ? { "aria-current": "true" } : {}, `${rung.name}: won ${rung.won} of ${rung.games}`));
-  return make("div", {}, make("h3", {}, `The ladder${ladder.elo === null ? "" : `, you are at ${Math.round(ladder.elo)}`}`), make("ol", {}, ...rows));
+  const rows = ladder.rungs.map((rung, k) => make("li", k === ladder.rung ? { "aria-current": "true" } : {}, `${rung.name}: won ${rung.won} of ${rung.games}`, k === ladder.rung ? make("b", {}, "  the next one") : ""));
+  const range = ladder.elo_range ? `, between ${ladder.elo_range.map(Math.round).join(" and ")}` : "";
+  const elo = ladder.elo === null ? "" : `: your Elo is ${Math.round(ladder.elo)}${range}`;
+  return make("div", { class: "ladder" }, make("h3", {}, `The ladder${elo}`), make("ol", {}, ...rows));
 }

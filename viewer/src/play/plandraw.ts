@@ -10,6 +10,9 @@ import { plate, tokenSize } from "../tokens";
 
 type Ctx = CanvasRenderingContext2D;
 
+const TEXT_PX = 12;
+const LINE_PX = 17;
+
 export interface PlannedWay {
   from: Point; // in cells of the map
   cells: number[];
@@ -106,15 +109,23 @@ function drawCursor(ctx: Ctx, drawn: Drawn, camera: Camera): void {
   ring(ctx, at, size, drawn.palette.ink, 2);
 }
 
-/** Lines of text on plates, kept on the screen. */
+/** Lines of text on one plate, kept on the screen. */
 export function labels(ctx: Ctx, lines: string[], at: Point, camera: Camera, palette: Palette): void {
-  ctx.font = "600 12px system-ui, sans-serif";
-  const half = Math.max(0, ...lines.map((line) => ctx.measureText(line).width)) / 2 + 8;
-  const height = lines.length * 18;
-  const x = Math.min(camera.width - half, Math.max(half, at.x));
-  const above = at.y - height - 12;
+  if (lines.length === 0) return;
+  ctx.font = `600 ${TEXT_PX}px system-ui, -apple-system, "Segoe UI", sans-serif`;
+  const width = Math.max(...lines.map((line) => ctx.measureText(line).width)) + 16;
+  const height = lines.length * LINE_PX + 6;
+  const left = Math.max(4, Math.min(camera.width - width - 4, at.x - width / 2));
+  const above = at.y - height - 14;
   const top = above > 4 ? above : at.y + 22;
-  lines.forEach((line, k) => plate(ctx, line, { x, y: top + 9 + k * 18 }, 12, palette));
+  ctx.beginPath();
+  ctx.roundRect(left, top, width, height, 6);
+  ctx.fillStyle = palette.plate;
+  ctx.fill();
+  ctx.textAlign = "center";
+  ctx.textBaseline = "middle";
+  ctx.fillStyle = palette.ink;
+  lines.forEach((line, k) => ctx.fillText(line, left + width / 2, top + 3 + (k + 0.5) * LINE_PX));
 }
 
 export function overlayOf(drawn: Drawn): Overlay {

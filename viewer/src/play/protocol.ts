@@ -45,9 +45,10 @@ export interface StateDoc {
 }
 
 export interface LadderDoc {
-  rungs: { name: string; won: number; games: number }[];
-  rung: number;
-  elo: number | null;
+  rungs: { name: string; won: number; games: number; elo: number | null; elo_range: [number, number] | null }[];
+  rung: number; // that is played next
+  elo: number | null; // of the person
+  elo_range: [number, number] | null;
 }
 
 export interface OverDoc {
