@@ -77,7 +77,7 @@ def browser(address: str, mode: str) -> subprocess.Popen[str]:
     """A browser at an address; what it prints can be read."""
     pictures = [] if PICTURES is None else [str(Path(PICTURES).resolve())]
     command = ["node", "e2e/play.mjs", address, mode, *pictures]
-    env = {**os.environ, "CHROMIUM": str(CHROMIUM)}
+    env = {**os.environ, "CHROMIUM": str(CHROMIUM), "SPEED": os.environ.get("SPEED", "no")}
     pipes: Any = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
     return subprocess.Popen(command, cwd=VIEWER, env=env, text=True, **pipes)
 

@@ -77,7 +77,7 @@ function closing(found: HTMLDialogElement, text: string): HTMLElement {
 
 function buildKeys(): void {
   const rows = KEYS.map(([key, says]) => make("div", { class: "key" }, make("kbd", {}, key), make("span", {}, says)));
-  const found = dialog("keys", make("h2", {}, "Keys"), make("div", { class: "columns" }, ...rows), make("p", { class: "small soft" }, "Squares are red, discs are blue; T tank, C chariot, S soldier, A aerocraft. A dashed rim hides, a triangle is suppressed, a pale token is where an enemy was last seen, with the ticks since then, in the ring that it can have reached. Fog lies where a vehicle that does not hide would not be seen."));
+  const found = dialog("keys", make("h2", {}, "Keys"), make("div", { class: "columns" }, ...rows), make("p", { class: "small soft" }, "Squares are red, discs are blue; T tank, C chariot, S soldier, A aerocraft. A dashed rim hides, a triangle is suppressed, a pale token is where an enemy was last seen, with the ticks since then, in the ring that it can have reached. Fog lies where a vehicle that does not hide would not be seen. An orange dot on a button: nobody has told this piece what to do. Shift-click a piece of yours to go to its cell."));
   const first = make("button", { type: "button", id: "show-first" }, "Your first order");
   first.addEventListener("click", () => {
     found.close();

@@ -99,6 +99,7 @@ function acts(play: Play, look: LookDoc): HTMLElement[] {
     const { verb } = readOrder(text);
     if (verb !== "move" && verb !== "null") found.append(orderRow(play, text, then));
   }
+  found.append(...meetings(play, then));
   const legend = play.mortar && look.mortar.length ? [mortarLegend()] : [];
   return [found, ...legend, make("p", { class: "small soft" }, matchMedia("(pointer: coarse)").matches ? "Tap a cell to send it there." : "A click on the map sends it there; with shift after what is planned."), ...impossible(look)];
 }
@@ -107,6 +108,21 @@ function button(play: Play, text: string, then: boolean, ...children: (Node | st
   const found = make("button", { type: "button", id: `act-${text.replace(/[^a-z0-9]+/gi, "-")}` }, ...children);
   found.addEventListener("click", () => void play.plan([text], then));
   return make("li", {}, found);
+}
+
+const RIDES: Record<string, string> = { soldier: "chariot", chariot: "soldier" };
+
+/** Ways to those it could carry, or ride in: a click on a piece of one's own picks it. */
+function meetings(play: Play, then: boolean): HTMLElement[] {
+  const { picked, session } = play;
+  const pieces = session.game.at(session.tick).pieces;
+  const here = startOf(play, then);
+  if (!picked || pieces[picked.index].carrier >= 0) return [];
+  const others = pieces.filter((one) => one.piece.camp === picked.camp && one.piece.kind === RIDES[picked.kind] && one.blood > 0 && one.carrier < 0 && one.cell !== here);
+  return others.map((one) => {
+    const cell = cellName(session.map, one.cell);
+    return button(play, `${picked.short} go ${cell}`, then, `Go to ${one.piece.short}, in ${cell}`);
+  });
 }
 
 function orderRow(play: Play, text: string, then: boolean): HTMLElement {

@@ -15,7 +15,7 @@ import { Known } from "./known";
 import { Link } from "./link";
 import { sayOrder } from "./orders";
 import { Painter } from "./painter";
-import type { Answers, Ask, Fields, LookDoc, MortarDoc, NowDoc, PathDoc, Said } from "./protocol";
+import { type Answers, type Ask, type Fields, type LookDoc, type MortarDoc, type NowDoc, type PathDoc, type Said, VERSION } from "./protocol";
 import { Session } from "./session";
 import { Refused, Wire } from "./wire";
 
@@ -75,7 +75,8 @@ export class Play {
   }
 
   private heard(said: Said): void {
-    if (said.say === "hello") this.begin(new Session(said));
+    if (said.say === "hello" && said.version !== VERSION) showNotice(`This page speaks version ${VERSION} of the protocol, the server version ${said.version}. Load the page again.`, null);
+    else if (said.say === "hello") this.begin(new Session(said));
     else if (said.say === "now") this.follows(said);
     else {
       this.session.over = said;

@@ -3,6 +3,8 @@
 import type { MapDoc } from "../hex";
 import type { Camp, StoryDoc } from "../story";
 
+export const VERSION = 1;
+
 export type Change = { [name: string]: Change } | ["=", unknown] | ["+", number, unknown[]] | ["-"];
 
 /** The value after a change; the value itself is left as it is. */
