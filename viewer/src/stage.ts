@@ -247,6 +247,12 @@ export class Stage {
     return hits.sort((a, b) => Number(a.ghost) - Number(b.ghost))[0] ?? null;
   }
 
+  /** How many tokens lie under a part of the screen. */
+  tokensUnder(left: number, top: number, width: number, height: number): number {
+    const under = (one: Token) => one.at.x + one.size > left && one.at.x - one.size < left + width && one.at.y + one.size > top && one.at.y - one.size < top + height;
+    return this.tokens.filter(under).length;
+  }
+
   /** Where a piece is drawn on the screen; null where it is not. */
   placeOf(index: number): Point | null {
     return this.tokens.find((one) => one.shown.piece.index === index)?.at ?? null;

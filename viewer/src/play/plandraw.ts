@@ -12,6 +12,8 @@ type Ctx = CanvasRenderingContext2D;
 
 const TEXT_PX = 12;
 const LINE_PX = 17;
+const PLATES = [[0, -1], [0, 1], [-1, -1], [1, -1], [-1, 1], [1, 1]]; // where a plate may be: left or right, above or below
+const NEAR = 1.6; // cells: an end that needs no label of its own
 
 export interface PlannedWay {
   from: Point; // in cells of the map
@@ -109,15 +111,19 @@ function drawCursor(ctx: Ctx, drawn: Drawn, camera: Camera): void {
   ring(ctx, at, size, drawn.palette.ink, 2);
 }
 
-/** Lines of text on one plate, kept on the screen. */
-export function labels(ctx: Ctx, lines: string[], at: Point, camera: Camera, palette: Palette): void {
+/** Lines of text on one plate, kept on the screen, where it hides the fewest tokens. */
+function labels(ctx: Ctx, lines: string[], at: Point, stage: Stage, palette: Palette): void {
   if (lines.length === 0) return;
   ctx.font = `600 ${TEXT_PX}px system-ui, -apple-system, "Segoe UI", sans-serif`;
   const width = Math.max(...lines.map((line) => ctx.measureText(line).width)) + 16;
   const height = lines.length * LINE_PX + 6;
-  const left = Math.max(4, Math.min(camera.width - width - 4, at.x - width / 2));
-  const above = at.y - height - 14;
-  const top = above > 4 ? above : at.y + 22;
+  const { camera } = stage;
+  const places = PLATES.map(([x, y]) => ({
+    left: Math.max(4, Math.min(camera.width - width - 4, at.x - width / 2 + (x * width) / 2)),
+    top: Math.max(4, Math.min(camera.height - height - 4, y < 0 ? at.y - height - 14 : at.y + 26)),
+  }));
+  const hides = (place: { left: number; top: number }) => stage.tokensUnder(place.left, place.top, width, height);
+  const { left, top } = places.reduce((best, place) => (hides(place) < hides(best) ? place : best));
   ctx.beginPath();
   ctx.roundRect(left, top, width, height, 6);
   ctx.fillStyle = palette.plate;
@@ -139,16 +145,19 @@ export function overlayOf(drawn: Drawn): Overlay {
       if (drawn.preview) drawPreview(ctx, drawn.preview, camera, drawn);
       if (drawn.cursor >= 0) drawCursor(ctx, drawn, camera);
     },
-    above(ctx: Ctx, { camera }: Stage): void {
+    above(ctx: Ctx, stage: Stage): void {
+      const { camera } = stage;
       for (const shot of drawn.shots) drawShot(ctx, shot, camera, drawn);
-      for (const shot of drawn.shots) if (shot.note) labels(ctx, [shot.note], camera.toScreen(shot.to), camera, palette);
+      for (const shot of drawn.shots) if (shot.note) labels(ctx, [shot.note], camera.toScreen(shot.to), stage, palette);
       for (const way of drawn.ways) {
         const last = way.cells[way.cells.length - 1];
         if (last === undefined || !way.note || last === drawn.preview?.end) continue;
-        const at = camera.toScreen(centre(drawn.map, last));
+        const end = centre(drawn.map, last);
+        if (Math.hypot(end.x - way.from.x, end.y - way.from.y) < NEAR) continue;
+        const at = camera.toScreen(end);
         plate(ctx, way.note, { x: at.x, y: at.y + 15 }, 11, palette);
       }
-      if (drawn.preview) labels(ctx, drawn.preview.lines, camera.toScreen(centre(drawn.map, drawn.preview.end)), camera, palette);
+      if (drawn.preview) labels(ctx, drawn.preview.lines, camera.toScreen(centre(drawn.map, drawn.preview.end)), stage, palette);
     },
   };
 }
