@@ -53,9 +53,9 @@ layers: setup
 bench: setup
 	$(BIN)/hexwar bench
 
-# The page that shows games: hexwar_sb3/viewer/built/page.html, of the sources in viewer/. Needs Node; nothing else here does.
+# The page that shows games and the one of `hexwar play`: hexwar_sb3/viewer/built/, of the sources in viewer/. Needs Node; nothing else here does.
 viewer: viewer/node_modules/.installed
-	cd viewer && npx tsc && npx vitest run && npx vite build --logLevel warn
+	cd viewer && npx tsc && npx vitest run && npm run --silent build
 
 viewer/node_modules/.installed: viewer/package.json viewer/package-lock.json
 	cd viewer && npm ci --no-audit --no-fund
@@ -64,13 +64,15 @@ viewer/node_modules/.installed: viewer/package.json viewer/package-lock.json
 # Built anew it is the same file, and in a browser it shows what the games say. Needs Chromium, too.
 test-viewer: setup viewer
 	git diff --exit-code hexwar_sb3/viewer/built
-	SPEED=yes $(BIN)/python -m pytest -q -m browser tests/viewer
+	SPEED=yes $(BIN)/python -m pytest -q -m browser tests/viewer tests/server
 
-# docs/features.md is the feature table of the code; the tables of docs/rules.md are its rule tables.
+# docs/features.md is the feature table of the code; the tables of docs/rules.md are its rule tables,
+# and the server of `hexwar play` has all of it as a page.
 docs: setup
 	printf '# Features\n\nMade by `make docs` from the table in hexwar_sb3/tasks/features.py.\n\n' > docs/features.md
 	$(BIN)/python -c "from hexwar_sb3.tasks.features import markdown; print(markdown(), end='')" >> docs/features.md
 	$(BIN)/python -c "import pathlib; from hexwar_sb3.rules.page import filled; page = pathlib.Path('docs/rules.md'); page.write_text(filled(page.read_text('utf-8')), 'utf-8')"
+	$(BIN)/python -m hexwar_sb3.server.rule_book docs/rules.md
 
 # The guide, the notebooks as they were committed, and the public names, into site/; what is broken or undocumented ends it.
 site: setup

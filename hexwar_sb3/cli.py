@@ -17,6 +17,7 @@ from hexwar_sb3.commands.experiments import Experiments
 from hexwar_sb3.commands.exploit import Exploit
 from hexwar_sb3.commands.hotspots import Hotspots
 from hexwar_sb3.commands.maps import Maps
+from hexwar_sb3.commands.play import Play
 from hexwar_sb3.commands.selfplay import SelfPlay
 from hexwar_sb3.commands.stats import Stats
 from hexwar_sb3.commands.tournament import Tournament
@@ -36,6 +37,7 @@ COMMANDS: dict[str, Callable[..., Any]] = {
     "exploit": Exploit,
     "tune": Tune,
     "watch": Watch,
+    "play": Play,
     "stats": Stats,
     "maps": Maps,
     "hotspots": Hotspots,

@@ -66,6 +66,17 @@ def _mark(handle: int) -> None:
             fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
 
 
+def held(handle: int) -> bool:
+    """Hold an open file until it is closed; whether nobody else does."""
+    with suppress(OSError):  # a file system without locks
+        try:
+            if fcntl is not None:
+                fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            return False
+    return True
+
+
 def remove_if_left(path: Path) -> None:
     """Remove a temporary file whose process is gone."""
     with suppress(OSError):

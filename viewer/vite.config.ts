@@ -1,36 +1,41 @@
-// Builds one file: code and style stand in the page, and its policy names their hashes and forbids everything else.
+// Builds one file a page: code and style stand in it, and its policy names their hashes and forbids everything else.
+// page.html shows recorded games (index.html); with --mode play it is the page of `hexwar play` (play.html).
 
 import { createHash } from "node:crypto";
 import { readFileSync, readdirSync, writeFileSync } from "node:fs";
-import { join } from "node:path";
+import { join, sep } from "node:path";
 import type { Plugin } from "vite";
 import { defineConfig } from "vitest/config";
 
 const HERE = import.meta.dirname;
 const OUT = join(HERE, "../hexwar_sb3/viewer/built");
-const SOURCES = ["index.html", "package.json", "package-lock.json", "tsconfig.json", "vite.config.ts"];
+const SOURCES = ["index.html", "play.html", "package.json", "package-lock.json", "tsconfig.json", "vite.config.ts"];
 
 function hashOf(text: string): string {
   return `'sha256-${createHash("sha256").update(text).digest("base64")}'`;
 }
 
-function policy(script: string, style: string): string {
+/** What a page may do; the one that plays talks to the server that it came from, and to nobody else. */
+function policy(script: string, style: string, talks: boolean): string {
   const rules = [
     "default-src 'none'", `script-src ${hashOf(script)}`, `style-src ${hashOf(style)}`, "img-src data: blob:", "media-src blob:",
     "base-uri 'none'", "form-action 'none'",
+    ...(talks ? ["connect-src 'self'"] : []),
   ];
   return `<meta http-equiv="Content-Security-Policy" content="${rules.join("; ")}">`;
 }
 
-/** Hash of all that the page is built from; a Python test compares it, so that nobody forgets to build. */
+/** Hash of all that the pages are built from; a Python test compares it, so that nobody forgets to build. */
 function sourcesHash(): string {
   const digest = createHash("sha256");
-  const files = [...SOURCES, ...readdirSync(join(HERE, "src")).map((name) => `src/${name}`)].sort();
+  const found = readdirSync(join(HERE, "src"), { recursive: true, withFileTypes: true }).filter((one) => one.isFile());
+  const files = [...SOURCES, ...found.map((one) => join(one.parentPath, one.name).slice(HERE.length + 1).split(sep).join("/"))].sort();
   for (const name of files) digest.update(`${name}\n`).update(readFileSync(join(HERE, name)));
   return digest.digest("hex");
 }
 
-function oneFile(): Plugin {
+function oneFile(name: string): Plugin {
+  const talks = name === "play.html";
   return {
     name: "one-file",
     enforce: "post",
@@ -46,17 +51,23 @@ function oneFile(): Plugin {
       style = style.trim();
       if (/<\/script|<!--/i.test(script)) this.error("the script would end the page's script block");
       const bare = page.replace(/\s*<script type="module"[^>]*><\/script>/, "").replace(/\s*<link rel="stylesheet"[^>]*>/, "");
-      const head = `${policy(script, style)}\n<style>${style}</style>\n</head>`;
+      const head = `${policy(script, style, talks)}\n<style>${style}</style>\n</head>`;
       const built = bare.replace("</head>", () => head).replace("</body>", () => `<script type="module">${script}</script>\n</body>`);
-      this.emitFile({ type: "asset", fileName: "page.html", source: built });
+      this.emitFile({ type: "asset", fileName: name, source: built });
       writeFileSync(join(OUT, "sources.sha256"), `${sourcesHash()}\n`);
     },
   };
 }
 
-export default defineConfig({
-  root: HERE,
-  plugins: [oneFile()],
-  build: { outDir: OUT, emptyOutDir: false, modulePreload: false, cssCodeSplit: false, target: "es2022", assetsInlineLimit: 0 },
-  test: { include: ["test/*.test.ts"] },
+export default defineConfig(({ mode }) => {
+  const plays = mode === "play";
+  return {
+    root: HERE,
+    plugins: [oneFile(plays ? "play.html" : "page.html")],
+    build: {
+      outDir: OUT, emptyOutDir: false, modulePreload: false, cssCodeSplit: false, target: "es2022", assetsInlineLimit: 0,
+      rollupOptions: { input: join(HERE, plays ? "play.html" : "index.html") },
+    },
+    test: { include: ["test/*.test.ts"] },
+  };
 });

@@ -143,7 +143,7 @@ class Game:
         batch = list(_read(orders))
         rows = np.zeros(len(batch), ORDER).view(np.recarray)
         places = [self._write(side, order, row) for order, row in zip(batch, rows, strict=True)]
-        advisor = self._advisor(side)
+        advisor = self.advisor(side)
         reasons = [advisor.why_illegal(order) for order in batch]
         refused = [
             f"{camp_name(side)}, {order}: {why}" for order, why in zip(batch, reasons, strict=True) if why
@@ -199,18 +199,19 @@ class Game:
     def legal_orders(self, camp: str, piece: str) -> tuple[Order, ...]:
         """Every legal order of a piece now; of moves those of one hop, of shots with their chances."""
         side = parse_camp(camp)
-        return self._advisor(side).legal_orders(self.roster.own_index(side, piece))
+        return self.advisor(side).legal_orders(self.roster.own_index(side, piece))
 
     def why_illegal(self, camp: str, order: Order | str) -> str | None:
         """Why the order would be refused now, as a sentence; None if it is legal."""
         try:
             given = Order.parse(order) if isinstance(order, str) else order
-            return self._advisor(parse_camp(camp)).why_illegal(given)
+            return self.advisor(camp).why_illegal(given)
         except (OrderError, UnknownNameError) as error:
             return str(error)
 
-    def _advisor(self, camp: Camp) -> Advisor:
-        return Advisor(camp, self._row, self.pieces, self.state.memory[0], self.world)
+    def advisor(self, camp: str | Camp) -> Advisor:
+        """Who judges orders of a camp in this state, by what the camp knows."""
+        return Advisor(parse_camp(camp), self._row, self.pieces, self.state.memory[0], self.world)
 
     # --- the whole game as a value ---------------------------------------------------------------
 

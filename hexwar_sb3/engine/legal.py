@@ -45,13 +45,20 @@ class Advisor:
 
     def why_illegal(self, order: Order) -> str | None:
         """Why the order would be refused; None if it is legal."""
+        return self.judge(order)[1]
+
+    def judge(self, order: Order) -> tuple[Code, str | None]:
+        """Code of an order, and the sentence of one that would be refused.
+
+        Raises:
+            OrderError, UnknownNameError: it names what does not exist, or a piece of the other camp.
+        """
         i = self.roster.own_index(self.camp, order.piece)
         row = self._row
         write_order(order, i, row, self.roster, self.pieces, self.cells)
         row.code = self._code(i)
-        if row.code == Code.OK:
-            return None
-        return self.explain(order, i, row)
+        code = Code(int(row.code))
+        return code, None if code is Code.OK else self.explain(order, i, row)
 
     def explain(self, order: Order, i: PieceIndex, row: Row) -> str:
         """The sentence for a code that the record holds."""
@@ -59,11 +66,15 @@ class Advisor:
 
     def legal_orders(self, i: PieceIndex) -> tuple[Order, ...]:
         """Every legal order of piece i; of moves, those of one hop."""
+        return (*self.orders_by_name(i), *self._mortar_orders(i))
+
+    def orders_by_name(self, i: PieceIndex) -> tuple[Order, ...]:
+        """Legal orders of piece i but mortar fire, which is possible at hundreds of cells (`mortar_classes`)."""
         orders = []
         for _ in self._candidates(i):
             if self._code(i) == Code.OK:
                 orders.append(self._with_chances(i))
-        return (*orders, *self._mortar_orders(i))
+        return tuple(orders)
 
     def targets(self, i: PieceIndex) -> list[PieceIndex]:
         """Enemies at which piece i may fire now, by itself or as a guide."""
@@ -76,15 +87,18 @@ class Advisor:
 
     def _mortar_orders(self, i: PieceIndex) -> Iterator[Order]:
         """Legal mortar orders: too many cells to try them one by one."""
-        row, here = self._row, CellIndex(self.pieces[i].cell)
-        clear_order(row)
-        row.kind = Action.INDIRECT_SHOOT
-        tables = (self.pieces, self.rules, self.cells, self.los)
-        classes = mortar_classes(i, row, self.game, *tables)
+        here, classes = CellIndex(self.pieces[i].cell), self.mortar_classes(i)
         for cell in [CellIndex(c) for c in np.flatnonzero(classes != NOT_LEGAL).tolist()]:
             apart = int(cells_apart(self.cells, here, cell))
             chances = burst_chances(int(classes[cell]), apart, self.rules)
             yield IndirectShoot(self.roster.short(i), self.roster.cell_name(cell), chances)
+
+    def mortar_classes(self, i: PieceIndex) -> Rows:
+        """Correction class of a round of piece i at each cell [NC]; NOT_LEGAL where it may not fire."""
+        row = self._row
+        clear_order(row)
+        row.kind = Action.INDIRECT_SHOOT
+        return mortar_classes(i, row, self.game, self.pieces, self.rules, self.cells, self.los)
 
     def _code(self, i: PieceIndex) -> int:
         return int(order_code(i, self._row, self.game, self.pieces, self.rules, self.cells))

@@ -43,6 +43,7 @@ _HEAD = ("type", "format", "version", "rules", "scenario")
 _OPEN = ("type", "format", "version", "players")  # of the head, in a camp's own record
 _PLAYED = frozenset({"orders", "edit", "state"})
 _NAMES = ("piece", "target", "shooter")  # of pieces, in an event
+_OF_A_PLAYER = frozenset({"hash", "hints"})  # that the other side does not know
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -52,10 +53,11 @@ class PlayerName:
     name: str
     kind: str = "human"  # human, bot, policy or random
     hash: str | None = None  # of the policy's weights, or of what all bots do
+    hints: int | None = None  # of a policy, that a person asked for in the game
 
-    def as_dict(self) -> dict[str, str]:
+    def as_dict(self) -> dict[str, Any]:
         """The fields that are known."""
-        known = {"name": self.name, "kind": self.kind, "hash": self.hash}
+        known = {"name": self.name, "kind": self.kind, "hash": self.hash, "hints": self.hints}
         return {key: value for key, value in known.items() if value is not None}
 
 
@@ -370,7 +372,9 @@ class Replay:
         """
         head: Line = {key: self.head[key] for key in _OPEN if key in self.head}
         players = self.head.get("players", {}).items()
-        head["players"] = {side: {k: v for k, v in player.items() if k != "hash"} for side, player in players}
+        head["players"] = {
+            side: {k: v for k, v in player.items() if k not in _OF_A_PLAYER} for side, player in players
+        }
         scenario = {key: value for key, value in self.head["scenario"].items() if key != "hash"}
         scenario["map"] = {k: v for k, v in scenario["map"].items() if k not in {"hash", "seed"}}
         head |= {

@@ -35,12 +35,21 @@ def write_lines(path: Path, lines: Sequence[Line]) -> None:
     Raises:
         ReplayFileError: nobody could read it, it is too large.
     """
+    packed = packed_lines(lines, path)
+    with replacing(path) as temporary:
+        temporary.write_bytes(packed)
+
+
+def packed_lines(lines: Sequence[Line], path: Path = Path("replay")) -> bytes:
+    """The bytes of a file.
+
+    Raises:
+        ReplayFileError: nobody could read it, it is too large.
+    """
     text = b"".join(_encoded(line) for line in lines)
     if len(text) > MAX_TEXT_BYTES:
         fail(path, "file", f"{len(text)} bytes to write", f"at most {MAX_TEXT_BYTES}")
-    packed = zstandard.ZstdCompressor(level=_LEVEL, write_checksum=True).compress(text)
-    with replacing(path) as temporary:
-        temporary.write_bytes(packed)
+    return zstandard.ZstdCompressor(level=_LEVEL, write_checksum=True).compress(text)
 
 
 def content_hash(lines: Sequence[Line]) -> str:

@@ -18,6 +18,7 @@ from hexwar_sb3.maps.geometry import DIRECTION_NAMES
 from hexwar_sb3.play.arena import Arena
 from hexwar_sb3.players.frozen import FrozenPolicy
 from hexwar_sb3.rules.enums import Camp
+from hexwar_sb3.tasks.choose import clear_missions
 from hexwar_sb3.tasks.records import TaskKind
 
 THOUSANDTHS = 1_000  # Q as a whole number
@@ -50,6 +51,16 @@ class DecisionLog:
         due = [camp for camp in SIDES if self.arena.drives[0].due[camp]]
         self.arena.ask([0])
         self._asked |= {camp: list(self._choices(camp)) for camp in due}
+
+    def choices(self, camp: Camp) -> list[Choice]:
+        """What the camp's player would choose now, and from what, if it had no tasks yet: [piece, chosen, tasks, Q].
+
+        The player must have been seated; this gives its camp the tasks.
+        """
+        clear_missions(self.arena.missions[0])
+        self.arena.drives[0].due[camp] = 1
+        self.arena.ask([0])
+        return list(self._choices(camp))
 
     def lines(self, tick: int) -> Iterator[Line]:
         """What was decided at this tick, after the pieces acted on it."""

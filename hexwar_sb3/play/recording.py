@@ -66,7 +66,7 @@ def record_game(
     game = arena.state.games[0]
     while not game.over:
         play_turn(arena, recorder, decisions, int(game.end_tick))
-    told = [_name(player, seat) for player, seat in zip((red, blue), seats, strict=True)]
+    told = [player_name(player, seat) for player, seat in zip((red, blue), seats, strict=True)]
     if names is not None:
         told = [replace(one, name=name) for one, name in zip(told, names, strict=True)]
     return Replay.recorded(recorder, arena.state, 0, dice_seed, told[0], told[1], command)
@@ -119,7 +119,8 @@ def play_turn(
     return events
 
 
-def _name(player: object, seat: Seat) -> PlayerName:
+def player_name(player: object, seat: Seat) -> PlayerName:
+    """What a replay says of a player: as it was given, and as it sits."""
     if isinstance(seat, BotPlayer):
         return PlayerName(name=seat.name, kind="bot", hash=bots_hash())
     name = Path(player).name if isinstance(player, str | Path) else type(player).__name__

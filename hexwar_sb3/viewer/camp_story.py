@@ -14,6 +14,7 @@ from hexwar_sb3.engine.known_events import DICE, is_known
 from hexwar_sb3.engine.record import Line
 from hexwar_sb3.engine.records import ROUND_BURSTING
 from hexwar_sb3.engine.roster import Roster, parse_camp
+from hexwar_sb3.engine.view import SideView
 from hexwar_sb3.kernels import Rows
 from hexwar_sb3.viewer.decisions import told_decisions
 from hexwar_sb3.viewer.tracks import CampTracks, Json
@@ -23,6 +24,8 @@ DULL = frozenset({"arrived", "refused"})  # the tracks and the orders have them
 
 class CampTeller:
     """Looks at a game tick by tick with the eyes of one camp."""
+
+    view: SideView  # the last one in which anything was new
 
     def __init__(self, camp: str, roster: Roster) -> None:
         self.camp, self.side, self.roster = camp, parse_camp(camp), roster
@@ -44,7 +47,8 @@ class CampTeller:
         if found == self._looked_at:
             return False  # a view takes its time, and mostly nothing is new
         self._looked_at = found
-        self.tracks.note(game.view(self.camp))
+        self.view = game.view(self.camp)
+        self.tracks.note(self.view)
         return True
 
     def _fingerprint(self, game: Game) -> bytes:

@@ -6,7 +6,7 @@ that neither knew and is read together with the two.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -77,7 +77,7 @@ class Teller:
 
     def stories(self, views: Sequence[str]) -> dict[str, Json]:
         """The stories of some views; the referee's comes with both others."""
-        common = _common(self.replay, self.game.world)
+        common = common_part(self.replay.head.get("players", {}), self.game.world)
         needed = VIEWS if REFEREE in views else views
         return {view: common | self._document(view) for view in VIEWS if view in needed}
 
@@ -115,9 +115,12 @@ def _end(game: Game) -> Json:
     return {"tick": game.tick, "over": game.over, "margin": margins, "winner": game.outcome}
 
 
-def _common(replay: Replay, world: World) -> Json:
-    """What is the same in every view: all of it stands in the head, or in the rules."""
-    scenario, players = world.scenario, replay.head.get("players", {})
+def common_part(players: Mapping[str, Line], world: World) -> Json:
+    """What is the same in every view: all of it stands in the head, or in the rules.
+
+    players: by camp their `name` and `kind`.
+    """
+    scenario = world.scenario
     return {
         "format": FORMAT,
         "version": FORMAT_VERSION,

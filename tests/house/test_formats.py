@@ -48,6 +48,7 @@ from hexwar_sb3.maps.scenario_file import scenario_document
 from hexwar_sb3.players import FrozenLower, frozen, frozen_lower, policy_files
 from hexwar_sb3.policies import TaskPolicy
 from hexwar_sb3.rules.tables import AEROCRAFT
+from hexwar_sb3.server import app, clock, messages, partial, room, steps
 from hexwar_sb3.tasks import spots_file
 from hexwar_sb3.tasks.spots import load_spots
 from hexwar_sb3.tasks.spots_file import CampSpots, read_spots
@@ -509,6 +510,10 @@ LIMITS: dict[str, tuple[int, ...]] = {
     "preset": (reading.MAX_JSON_BYTES, preset_file.MOST_WHOLE),
     "league": (reading.MAX_JSON_BYTES, MOST_BYTES),
     "events": (story.NAME_CHARACTERS,),
+    "play": (
+        *(messages.MOST_BYTES, messages.MOST_SPEED, room.MOST_MESSAGES, app.MOST_BODY, steps.MOST_STEPS),
+        *(clock.STEP_SPEED, clock.STEP_BATCH, partial.MOST_BYTES),
+    ),
     "story": (*(viewer_page.MAX_PAGE_BYTES, picture.MAX_BYTES, story.NAME_CHARACTERS, story.FORMAT_VERSION),),
 }
 

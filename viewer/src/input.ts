@@ -2,11 +2,13 @@
 
 import { SPEEDS, readCommand, readMoment } from "./commands";
 import { byId, say } from "./dom";
-import { cellName, centre } from "./hex";
+import { type Point, centre } from "./hex";
 import { spoken } from "./log";
 import { DECISION, type Page } from "./page";
-import { ground } from "./piecespanel";
+import { cellText } from "./piecespanel";
+import { listenPointer } from "./pointer";
 import { openSaving } from "./save";
+import { listenTimeline } from "./scrub";
 
 export function listen(page: Page): void {
   const clicks: Record<string, () => void> = {
@@ -27,105 +29,33 @@ export function listen(page: Page): void {
 }
 
 function listenMap(page: Page, k: number): void {
-  const canvas = byId<HTMLCanvasElement>(k > 0 ? `terrain-${k + 1}` : "terrain");
   const stage = () => page.stages[k];
-  const game = () => page.tapes[k].game;
-  const fingers = new Map<number, { x: number; y: number }>();
-  let moved = 0;
-  const place = (event: PointerEvent | WheelEvent) => {
-    const box = canvas.getBoundingClientRect();
-    return { x: event.clientX - box.left, y: event.clientY - box.top };
-  };
-  canvas.addEventListener("wheel", (event) => {
-    event.preventDefault();
-    stage().camera.zoom(Math.exp(-event.deltaY * 0.0016), place(event));
-    page.ask();
-  }, { passive: false });
-  canvas.addEventListener("pointerdown", (event) => {
-    canvas.setPointerCapture(event.pointerId);
-    fingers.set(event.pointerId, place(event));
-    moved = 0;
-    page.focus(k);
-  });
-  canvas.addEventListener("pointermove", (event) => {
-    const here = place(event);
-    const last = fingers.get(event.pointerId);
-    if (!last) return hovered(page, here, k);
-    const others = [...fingers].filter(([id]) => id !== event.pointerId).map(([, at]) => at);
-    moved += Math.hypot(here.x - last.x, here.y - last.y);
-    if (others.length === 1) {
-      const [a] = others;
-      stage().camera.zoom(Math.hypot(here.x - a.x, here.y - a.y) / Math.max(1, Math.hypot(last.x - a.x, last.y - a.y)), a);
-    } else if (moved > 4) {
-      page.follow = false;
-      stage().camera.pan(here.x - last.x, here.y - last.y);
-    }
-    fingers.set(event.pointerId, here);
-    page.ask();
-  });
-  const lift = (event: PointerEvent) => {
-    const here = place(event);
-    if (fingers.delete(event.pointerId) && moved <= 4 && event.type === "pointerup") {
+  listenPointer(byId<HTMLCanvasElement>(k > 0 ? `terrain-${k + 1}` : "terrain"), {
+    stage,
+    ask: () => page.ask(),
+    grabbed: () => page.focus(k),
+    panned: () => (page.follow = false),
+    hovered: (here) => hovered(page, here, k),
+    left: () => {
+      page.hover = -1;
+      say(byId("readout"), "");
+      page.ask();
+    },
+    clicked: (here) => {
       const token = stage().tokenAt(here);
-      const cell = stage().cellAt(here, game());
-      page.pick(token?.shown.piece ?? null, token ? -1 : cell);
-    }
-  };
-  canvas.addEventListener("pointerup", lift);
-  canvas.addEventListener("pointercancel", lift);
-  canvas.addEventListener("pointerleave", () => {
-    page.hover = -1;
-    say(byId("readout"), "");
-    page.ask();
+      page.pick(token?.shown.piece ?? null, token ? -1 : stage().cellAt(here, page.tapes[k].game));
+    },
   });
 }
 
-function hovered(page: Page, here: { x: number; y: number }, k: number): void {
+function hovered(page: Page, here: Point, k: number): void {
   const cell = page.stages[k].cellAt(here, page.tapes[k].game);
   if (cell === page.hover) return;
   page.hover = cell;
-  const { map } = page;
-  const text = cell < 0 ? "" : `${cellName(map, cell)}  ${map.level[cell] * map.gradeM} m  ${ground(map.bits[cell])}`;
+  const text = cell < 0 ? "" : cellText(page.map, cell);
   const token = page.stages[k].tokenAt(here);
   say(byId("readout"), token ? `${spoken(token.shown.piece.name)}  ${text}` : text);
   if (page.picked || page.cell >= 0) page.ask();
-}
-
-function listenTimeline(page: Page): void {
-  const canvas = page.timeline.canvas;
-  const tip = byId("tip");
-  let start = -1;
-  const at = (event: PointerEvent) => page.timeline.tickAt(event.clientX - canvas.getBoundingClientRect().left);
-  canvas.addEventListener("pointerdown", (event) => {
-    canvas.setPointerCapture(event.pointerId);
-    start = at(event);
-    if (!event.shiftKey) page.seek(page.timeline.near(start) && event.pointerType === "mouse" ? snapped(page, start, event) : start);
-  });
-  canvas.addEventListener("pointermove", (event) => {
-    const tick = at(event);
-    page.timeline.hover = tick;
-    if (start >= 0 && event.shiftKey) page.timeline.loop = [Math.min(start, tick), Math.max(start, tick) + 1];
-    else if (start >= 0) page.seek(tick);
-    const near = page.timeline.near(tick);
-    tip.hidden = false;
-    say(tip, near ? `${near.tick}: ${near.text}` : `tick ${tick}`);
-    const box = canvas.getBoundingClientRect();
-    tip.style.left = `${Math.max(6, Math.min(window.innerWidth - tip.offsetWidth - 8, event.clientX + 10))}px`;
-    tip.style.top = `${box.top - tip.offsetHeight - 6}px`;
-    page.ask();
-  });
-  canvas.addEventListener("pointerup", () => (start = -1));
-  canvas.addEventListener("pointerleave", () => {
-    page.timeline.hover = -1;
-    tip.hidden = true;
-    page.ask();
-  });
-}
-
-/** A click on a mark goes to its tick. */
-function snapped(page: Page, tick: number, event: PointerEvent): number {
-  const low = event.offsetY > page.timeline.canvas.clientHeight - 46;
-  return low ? (page.timeline.near(tick)?.tick ?? tick) : tick;
 }
 
 function key(page: Page, event: KeyboardEvent): void {

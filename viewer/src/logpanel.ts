@@ -11,7 +11,7 @@ const shownGroups = new Set<Group>(["fire", "sight"]);
 const MOST_ROWS = 600;
 
 export function logPanel(panel: HTMLElement, scene: Scene, follow: boolean): void {
-  const key = `log ${scene.game.view} ${scene.palette.dark} ${[...shownGroups].join()}`;
+  const key = `log ${scene.game.view} ${scene.palette.dark} ${[...shownGroups].join()} ${scene.entries.length}`; // a game that is played has more of them
   if (panel.dataset.key !== key) {
     panel.dataset.key = key;
     buildLog(panel, scene);

@@ -52,7 +52,7 @@ function diamond(ctx: Ctx, at: Point, size: number, colour: string): void {
 }
 
 /** The edge of all cells within a distance, clipped by nothing: six corners. */
-function hexagon(ctx: Ctx, map: HexMap, cell: number, reach: number, camera: Camera): void {
+export function hexagon(ctx: Ctx, map: HexMap, cell: number, reach: number, camera: Camera): void {
   const [q, r] = cubeOf(map, cell);
   const size = reach + 0.55;
   ctx.beginPath();
@@ -107,7 +107,7 @@ export function sightPaths(map: HexMap, field: Map<number, boolean>): SightPaths
   return { open: paths(map, open, outline), shut: paths(map, shut, outline), hatch: paths(map, shut, stripe) };
 }
 
-function paths(map: HexMap, cells: number[], add: (path: Path2D, place: Point) => void): Path2D[] {
+export function paths(map: HexMap, cells: number[], add: (path: Path2D, place: Point) => void): Path2D[] {
   const found: Path2D[] = [];
   cells.forEach((cell, k) => {
     if (k % PATH_CELLS === 0) found.push(new Path2D());
@@ -116,7 +116,7 @@ function paths(map: HexMap, cells: number[], add: (path: Path2D, place: Point) =
   return found;
 }
 
-function stripe(path: Path2D, { x, y }: Point): void {
+export function stripe(path: Path2D, { x, y }: Point): void {
   path.moveTo(x - 0.36, y - 0.36);
   path.lineTo(x + 0.36, y + 0.36);
 }
@@ -134,7 +134,7 @@ export function drawSight(ctx: Ctx, { open, shut, hatch }: SightPaths, camera: C
   });
 }
 
-function withMap(ctx: Ctx, camera: Camera, draw: () => void): void {
+export function withMap(ctx: Ctx, camera: Camera, draw: () => void): void {
   const s = camera.scale;
   ctx.save();
   ctx.transform(s, 0, 0, s, camera.width / 2 - camera.x * s, camera.height / 2 - camera.y * s);
@@ -228,7 +228,7 @@ function burst(ctx: Ctx, at: Point, size: number, left: number): void {
   ctx.stroke();
 }
 
-function ring(ctx: Ctx, at: Point, size: number, colour: string, width: number): void {
+export function ring(ctx: Ctx, at: Point, size: number, colour: string, width: number): void {
   ctx.beginPath();
   ctx.arc(at.x, at.y, size, 0, 7);
   ctx.lineWidth = width;

@@ -1,6 +1,6 @@
 // The panel of the pieces: a table that follows the clock, and the card of what is picked.
 
-import { CONCEALED, PASSABLE, PAVED, SLUSHY, apart, cellName } from "./hex";
+import { CONCEALED, type HexMap, PASSABLE, PAVED, SLUSHY, apart, cellName } from "./hex";
 import { badge, bars, byId, facts, make, say } from "./dom";
 import { spoken } from "./log";
 import type { Scene } from "./scene";
@@ -71,7 +71,7 @@ function saidOf(game: Game, shown: Shown, tick: number, withGoal: boolean): stri
   return [doing + goal, ...states].join(", ");
 }
 
-function pieceCard(scene: Scene, piece: Piece): HTMLElement {
+export function pieceCard(scene: Scene, piece: Piece): HTMLElement {
   const { game, state } = scene;
   const shown = state.pieces[piece.index];
   const kind = game.story.rules.kinds[piece.kind];
@@ -96,6 +96,11 @@ function place(scene: Scene, shown: Shown): string {
   const words = ground(map.bits[shown.cell]);
   const aboard = shown.carrier >= 0 ? `aboard ${scene.game.pieces[shown.carrier].short}, ` : "";
   return `${aboard}${cellName(map, shown.cell)}, ${map.level[shown.cell] * map.gradeM} m, ${words}`;
+}
+
+/** "0912  120 m  road": a cell in a few words. */
+export function cellText(map: HexMap, cell: number): string {
+  return `${cellName(map, cell)}  ${map.level[cell] * map.gradeM} m  ${ground(map.bits[cell])}`;
 }
 
 export function ground(bits: number): string {
@@ -215,4 +220,3 @@ function drawProfile(canvas: HTMLCanvasElement, scene: Scene): void {
   ctx.strokeStyle = scene.palette.ink;
   ctx.stroke();
 }
-

@@ -29,6 +29,13 @@ export interface Choices {
   fireTicks: number; // how long fire is shown
 }
 
+/** What a page draws itself: on the ground, between fog and pieces, and above them. It has the paths of the pieces, too. */
+export interface Overlay {
+  ground(ctx: CanvasRenderingContext2D, stage: Stage): void;
+  below(ctx: CanvasRenderingContext2D, stage: Stage): void;
+  above(ctx: CanvasRenderingContext2D, stage: Stage): void;
+}
+
 export class Stage {
   readonly camera: Camera;
   readonly sight: Sight;
@@ -93,7 +100,7 @@ export class Stage {
     this.camera.show([...places, ...game.story.points.map(([, cell]) => centre(game.map, cell))], 3);
   }
 
-  draw(scene: Scene, choices: Choices, hot: { shape: "arrow"; from: number; to: number } | null): void {
+  draw(scene: Scene, choices: Choices, hot: { shape: "arrow"; from: number; to: number } | null, overlay?: Overlay): void {
     const { game, state, palette, ratio, time } = scene;
     const { camera } = this;
     const placed = `${camera.x} ${camera.y} ${camera.scale} ${camera.width} ${camera.height} ${ratio} ${palette.dark}`;
@@ -111,15 +118,18 @@ export class Stage {
     this.tokens = tokensOf(game, state, camera, ghosts, away);
     const marks = this.clear("marks", ratio);
     this.labels.length = 0;
-    this.drawAsked(marks, scene, choices);
+    overlay?.ground(marks, this);
+    this.drawAsked(marks, scene, choices, overlay === undefined);
     drawPoints(marks, game, state, camera, palette, this.tokens);
     this.drawBeliefs(marks, scene, away);
     drawRounds(marks, game, state, time, camera, palette);
+    overlay?.below(marks, this);
     if (hot) this.drawHot(marks, scene, hot);
     const pieces = this.clear("pieces", ratio);
     drawWrecks(pieces, state, camera, palette);
     drawFire(pieces, game.map, scene.entries, time, choices.fireTicks, camera, palette);
     drawTokens(pieces, this.tokens, scene.picked?.index ?? -1, palette);
+    overlay?.above(pieces, this);
     for (const { text, at } of this.labels) plate(pieces, text, at, 12, palette);
   }
 
@@ -163,7 +173,7 @@ export class Stage {
     return truth.blood === 0 || truth.carrier >= 0 || Math.hypot(truth.at.x - ghost.at.x, truth.at.y - ghost.at.y) > BELIEF_CELLS;
   }
 
-  private drawAsked(ctx: CanvasRenderingContext2D, scene: Scene, choices: Choices): void {
+  private drawAsked(ctx: CanvasRenderingContext2D, scene: Scene, choices: Choices, withPath: boolean): void {
     const { game, state, palette, picked } = scene;
     const shown = picked ? state.pieces[picked.index] : null;
     const from = shown && shown.blood > 0 ? shown.cell : scene.cell;
@@ -176,7 +186,7 @@ export class Stage {
     if (!shown || shown.blood === 0 || shown.cell < 0) return;
     for (const enemy of game.seenFrom(shown.piece, state)) drawEye(ctx, this.camera.toScreen(shown.at), this.camera.toScreen(enemy.at), palette);
     if (choices.ranges) drawRanges(ctx, game, shown, this.camera, palette);
-    drawPath(ctx, game.map, shown.at, game.path(shown.piece, state.tick), this.camera, palette.camp[shown.piece.camp]);
+    if (withPath) drawPath(ctx, game.map, shown.at, game.path(shown.piece, state.tick), this.camera, palette.camp[shown.piece.camp]);
     if (choices.policy) this.drawChoice(ctx, scene, shown, true);
   }
 
@@ -235,6 +245,17 @@ export class Stage {
   tokenAt(place: Point): Token | null {
     const hits = this.tokens.filter((one) => Math.hypot(one.at.x - place.x, one.at.y - place.y) <= Math.max(one.size + 2, 14));
     return hits.sort((a, b) => Number(a.ghost) - Number(b.ghost))[0] ?? null;
+  }
+
+  /** How many tokens lie under a part of the screen. */
+  tokensUnder(left: number, top: number, width: number, height: number): number {
+    const under = (one: Token) => one.at.x + one.size > left && one.at.x - one.size < left + width && one.at.y + one.size > top && one.at.y - one.size < top + height;
+    return this.tokens.filter(under).length;
+  }
+
+  /** Where a piece is drawn on the screen; null where it is not. */
+  placeOf(index: number): Point | null {
+    return this.tokens.find((one) => one.shown.piece.index === index)?.at ?? null;
   }
 
   cellAt(place: Point, game: Game): number {
