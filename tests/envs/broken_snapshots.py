@@ -40,7 +40,7 @@ KINDS: dict[str, tuple[str, dict[str, Any]]] = {
     ),
     "both": (
         "HexWarTask-v0",
-        {"side": "both", "opponent": [Picker(), "drawn-unseen"], "demo_bot": "MA1", "demo_share": 0.5},
+        {"side": "both", "opponent": [Picker(), "drawn-unseen"], "demo": "MA1", "demo_share": 0.5},
     ),
     "route": ("HexWarRoute-v0", {"opponent": ["MA1", Picker()], "scenario": ["plain", "paddy"], "n_envs": 4}),
     "flat": ("HexWarFlat-v0", {"side": "both", "opponent": "drawn"}),
