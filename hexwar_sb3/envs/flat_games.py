@@ -117,6 +117,7 @@ class FlatGames(TaskGames):
 
     def _open(self, which: Games) -> Games:
         """Look, and give the turn to the first living piece of each game; the games that have none."""
+        self._take_over(which)
         self.look(which)
         self.picked[which], self.answers[which] = 0, 0
         for b, tasks in self._show(which[self.demos[which]]).items():

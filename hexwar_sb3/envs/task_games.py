@@ -138,6 +138,17 @@ class TaskGames:
         """The recorded game that is played again in a slot, if it is one."""
         return self.demonstrations.recorded(int(self.shown[b]))
 
+    def _take_over(self, which: Games) -> None:
+        """Let the learner go on, against the drawn opponent, where a recorded game was broken off before this decision."""
+        for b in map(int, which[self.demos[which]]):
+            recorded, game = self._recorded(b), self.arena.state.games[b]
+            if recorded is None or game.tick < recorded.end_tick or game.over:
+                continue
+            self.shown[b], self.demos[b] = NOBODY, False
+            for camp, seat in enumerate(self._seats(b)):
+                self.arena.sit(b, camp, seat)
+            self._lead(b)
+
     def set_lower(self, lower: object) -> None:
         """Let another lower level lead the learner's pieces, from their next cell or decision on."""
         self.lower = make_lower(lower)
@@ -196,6 +207,7 @@ class TaskGames:
         """
         self.check_begun()
         picked = check_actions(actions, self.sight.rows.shape[:2])
+        self._take_over(self.all)
         before, start = self.scores(), self.arena.state.games.tick.astype(np.int64)
         shown, learns = self.all[self.demos], self.all[~self.demos]
         illegal = np.zeros(self.n_games, np.int64)

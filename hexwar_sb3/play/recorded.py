@@ -101,7 +101,7 @@ class Script:
 
 @dataclass(frozen=True)
 class RecordedGame:
-    """A whole game that was played again and found true, to be shown to a learner.
+    """A game that was played again and found true, to be shown to a learner.
 
     A camp whose bot thinks along, and gives just the orders of the record, has that bot's own missions; of another one
     `aims` say what its pieces were about.
@@ -110,6 +110,7 @@ class RecordedGame:
     source: Path
     sha256: str  # of its lines
     seed: int  # of all dice
+    end_tick: int  # as far as it is recorded: to its end, or until it was broken off
     names: tuple[str, str]  # of who played (red, blue)
     shows: tuple[Camp, ...]  # camps that may be learned from
     script: Script

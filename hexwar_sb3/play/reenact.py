@@ -13,7 +13,6 @@ from hexwar_sb3.bots.registry import as_member, is_bot
 from hexwar_sb3.engine.order_rows import read_order, write_order
 from hexwar_sb3.engine.orders import Order
 from hexwar_sb3.engine.record import Line, state_hash
-from hexwar_sb3.engine.records import NEVER
 from hexwar_sb3.engine.replay import Replay
 from hexwar_sb3.engine.replay_file import fail
 from hexwar_sb3.engine.roster import SIDES, Roster, camp_name, parse_camp
@@ -48,8 +47,8 @@ def read_recorded(path: Path, world: World) -> RecordedGame:
     """Read a game of a scenario and play it again.
 
     Raises:
-        ReplayFileError: it is damaged, one camp's own record, of another scenario, map or rules, changed by hand or broken
-            off; or it does not come out as recorded.
+        ReplayFileError: it is damaged, one camp's own record, of another scenario, map or rules, or changed by hand; or it
+            does not come out as recorded.
     """
     replay = Replay.load(path)
     _check_fits(replay, world)
@@ -68,13 +67,13 @@ def _check_fits(replay: Replay, world: World) -> None:
     rules = replay.ruleset()
     if rules.hash != world.ruleset.hash:
         refuse("head.rules.aerocraft", rules.aerocraft.name, world.ruleset.aerocraft.name)
+    if not replay.end["tick"]:
+        refuse("end.tick", "0", "a game of which something was played")
     for number, line in enumerate(replay.lines, start=1):
         if line["type"] == "edit":
             refuse(
                 f"line {number}", "a change by hand", "a game that was played from its start by orders alone"
             )
-    if not replay.end["over"]:
-        refuse("end.over", f"a game that was broken off at tick {replay.end['tick']}", "a whole game")
 
 
 def _name(thing: object) -> str:
@@ -82,7 +81,7 @@ def _name(thing: object) -> str:
 
 
 def shown_camps(replay: Replay) -> tuple[Camp, ...]:
-    """Camps of a game that a learner may watch: those of people; without any the winner's, of a draw both."""
+    """Camps of a game that a learner may watch: those of people; else the winner's, without one both."""
     people = [camp for camp in SIDES if _player(replay, camp).get("kind") == "human"]
     winner = replay.end["winner"]
     won = [parse_camp(winner)] if winner in map(camp_name, SIDES) else list(SIDES)
@@ -119,15 +118,15 @@ class Reenactment:
             ReplayFileError: the first line that cannot be played, or a state or an end that differ.
         """
         self.arena.begin(0, self.replay.seed, *self.bots)
-        turns = Turns(self.arena, 0)
-        while not turns.game.over:
+        turns, end = Turns(self.arena, 0), int(self.replay.end["tick"])
+        while not turns.game.over and turns.game.tick < end:
             tick = int(turns.game.tick)
             self._check_states(tick)
             self.deeds.note_pieces(tick, turns.pieces)
             turns.think()
             given = self._give(tick, turns.orders, turns.pieces)
-            next_orders = self._orders[0][1]["tick"] if self._orders else NEVER
-            turns.go_on(next_orders, given=given)
+            next_orders = self._orders[0][1]["tick"] if self._orders else end
+            turns.go_on(min(next_orders, end), given=given)
         self._check_end(int(turns.game.tick))
         return self._result()
 
@@ -192,7 +191,8 @@ class Reenactment:
                 f"the end at {tick}, as played again",
             )
         margins = self.arena.margins(np.zeros(2, np.int64), np.arange(2)).tolist()
-        again = {"tick": tick, "margin": dict(zip(map(camp_name, SIDES), margins, strict=True))}
+        over = bool(self.arena.state.games[0].over)
+        again = {"tick": tick, "over": over, "margin": dict(zip(map(camp_name, SIDES), margins, strict=True))}
         told = {key: self.replay.end[key] for key in again}
         if again != told:
             fail(self.replay.source, "end", f"{shown(again)} when played again", shown(told))
@@ -208,6 +208,7 @@ class Reenactment:
             source=replay.source,
             sha256=replay.end["sha256"],
             seed=replay.seed,
+            end_tick=replay.end["tick"],
             names=(red, blue),
             shows=shown_camps(replay),
             script=Script.of(self.steps),

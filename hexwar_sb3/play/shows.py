@@ -23,6 +23,7 @@ from hexwar_sb3.rules.enums import Camp
 
 NOBODY = -1  # the learner plays itself
 Show: TypeAlias = BotPlayer | RecordedGame
+SHOWN_DIGITS = 16  # of a hash, in messages
 _MOST_TURNS = 2**62
 
 
@@ -147,7 +148,7 @@ class Demonstrations:
 
     def _place(self, k: int) -> str:
         one = self.shows[k]
-        return one.name if isinstance(one, BotPlayer) else f"{one.source} ({one.sha256[:16]})"
+        return one.name if isinstance(one, BotPlayer) else f"{one.source} ({one.sha256[:SHOWN_DIGITS]})"
 
     def restore(self, parts: Mapping[str, NDArray[Any]]) -> None:
         """Go on where `snapshot` was taken."""

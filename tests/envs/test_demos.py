@@ -13,7 +13,8 @@ from stable_baselines3.common.callbacks import BaseCallback
 
 from hexwar_sb3.algorithms.checkpoint import load_checkpoint, save_checkpoint
 from hexwar_sb3.algorithms.hierarchical import HierarchicalQMIX
-from hexwar_sb3.engine.replay import Replay
+from hexwar_sb3.engine.game import Game
+from hexwar_sb3.engine.replay import PlayerName, Replay
 from hexwar_sb3.envs.registration import make_vec_env
 from hexwar_sb3.errors import CheckpointError, ConfigError, HexWarError, ReplayFileError
 from hexwar_sb3.maps.files import load_scenario
@@ -254,6 +255,32 @@ def test_a_damaged_file_is_refused_before_any_game(few: Path, tmp_path: Path) ->
 def test_recorded_games_are_of_the_fog(few: Path) -> None:
     with pytest.raises(ConfigError, match="recorded games were played under fog"):
         native(TASK, demo=few, fog=False)
+
+
+@pytest.mark.parametrize("name", [TASK, FLAT])
+@pytest.mark.parametrize("end", [75, 200])
+def test_where_a_game_was_broken_off_the_learner_plays_on(tmp_path: Path, name: str, end: int) -> None:
+    """From the first decision after it, against the opponent that it was drawn."""
+    game = Game(SHORT, seed=3)
+    game.submit("red", "tank0 move E E E E E E")
+    game.advance(end)
+    Replay.of(game, PlayerName(name="Ann"), PlayerName(name="MA1", kind="bot")).save(tmp_path / "a.hwr")
+    settings: dict[str, Any] = {"demo": tmp_path / "a.hwr", "demo_share": 1.0, "side": "red", "n_envs": 1}
+    env, other = native(name, **settings), native(name, **settings)
+    obs, rng, done, shown = env.reset(), np.random.default_rng(0), False, list[int]()
+    while not done:
+        if name == TASK:
+            assert same(obs, other.restore(env.snapshot()))
+        tick = int(env.games.arena.state.games.tick[0])
+        actions = picked(env, rng)
+        obs, *_, dones, infos = env.step(actions)
+        if "demo_actions" in infos[0]:
+            shown.append(tick)
+        done = bool(dones[0])
+
+    assert max(shown) - 75 * ((end - 1) // 75) in (0, 1)  # the flat env shows the tick after the decision
+    assert infos[0]["opponent"] == "nearest"
+    assert infos[0]["illegal_actions"] == 0
 
 
 def new_env(demo: object) -> Any:

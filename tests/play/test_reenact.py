@@ -186,16 +186,34 @@ def test_a_record_of_other_games_is_refused(replay: Replay, world: World, tmp_pa
         read(Replay.of(other), world, tmp_path)
 
 
-def test_a_game_that_was_broken_off_or_changed_by_hand_is_refused(world: World, tmp_path: Path) -> None:
+def test_a_game_that_was_broken_off_is_known_as_far_as_it_was_played(
+    world: World, tmp_path: Path, changed_replay: Change
+) -> None:
     game = Game("plain")
+    game.submit("red", "tank0 move E E E")
     game.advance(700)
+
+    read_back = read(
+        Replay.of(game, PlayerName(name="Ann"), PlayerName(name="MA1", kind="bot")), world, tmp_path
+    )
+
+    assert read_back.end_tick == 700
+    assert read_back.shows == (Camp.RED,)
+    said_over = changed_replay(Replay.of(game), lambda lines: lines[-1].update(over=True))
+    with pytest.raises(ReplayFileError, match=r"end: found .* when played again; expected "):
+        read(said_over, world, tmp_path)
     with pytest.raises(
-        ReplayFileError, match=r"end.over: found a game that was broken off at tick 700; expected a whole"
+        ReplayFileError, match=r"end.tick: found 0; expected a game of which something was played"
     ):
-        read(Replay.of(game), world, tmp_path)
+        read(Replay.of(Game("plain")), world, tmp_path)
+
+
+def test_a_game_that_was_changed_by_hand_is_refused(world: World, tmp_path: Path) -> None:
+    game = Game("plain")
     with game.edit() as state:
         state["red:tank0"].blood = 1
     game.advance(1800)
+
     with pytest.raises(
         ReplayFileError, match=r"line \d+: found a change by hand; expected a game that was played"
     ):
