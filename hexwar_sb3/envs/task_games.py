@@ -140,9 +140,9 @@ class TaskGames:
 
     def _take_over(self, which: Games) -> None:
         """Let the learner go on, against the drawn opponent, where a recorded game was broken off before this decision."""
-        for b in map(int, which[self.demos[which]]):
-            recorded, game = self._recorded(b), self.arena.state.games[b]
-            if recorded is None or game.tick < recorded.end_tick or game.over:
+        for b, recorded in self._of_records(which).items():
+            game = self.arena.state.games[b]
+            if game.tick < recorded.end_tick or game.over:
                 continue
             self.shown[b], self.demos[b] = NOBODY, False
             for camp, seat in enumerate(self._seats(b)):
@@ -414,10 +414,18 @@ class TaskGames:
 
     def _play_on(self, which: Games) -> None:
         """Play each game to its next decision or its end: the recorded ones by their orders."""
-        recorded = {int(b): game for b in which[self.demos[which]] if (game := self._recorded(int(b)))}
-        self.arena.advance(np.array([b for b in which if b not in recorded], np.int64))
+        recorded = self._of_records(which)
+        self.arena.advance(np.setdiff1d(which, list(recorded)) if recorded else which)
         for b, game in recorded.items():
             game.play(self.arena, b)
+
+    def _of_records(self, which: Games) -> dict[int, RecordedGame]:
+        """The recorded games among these slots."""
+        if not self.demonstrations.games:
+            return {}
+        return {
+            int(b): game for b in which[self.demos[which]] if (game := self._recorded(int(b))) is not None
+        }
 
     def _show(self, shown: Games) -> dict[int, NDArray[np.int64]]:
         """Let the bot that shows a game think in this state, and name its missions by the task sets that were observed.

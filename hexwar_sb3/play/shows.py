@@ -58,6 +58,8 @@ class Demonstrations:
             )
         self.shows: list[Show] = []
         self._entries = [self._entry(one, weight, world) for one, weight in _entries(demo)]
+        # All recorded games, in their order.
+        self.games = [one for one in self.shows if isinstance(one, RecordedGame)]
         self.turns = np.zeros((len(self._entries), len(SIDES)), np.int64)  # games shown so far [entry, camp]
         shown = {camp for entry in self._entries for camp in SIDES if entry.shows[camp] and entry.weight}
         if demo is not None and shown.isdisjoint(camps):
@@ -105,11 +107,6 @@ class Demonstrations:
     def alone(self) -> bool:
         """One bot shows all there is to show, or nobody: nothing has to be remembered."""
         return len(self.shows) <= 1 and not self.games
-
-    @property
-    def games(self) -> list[RecordedGame]:
-        """All recorded games, in their order."""
-        return [one for one in self.shows if isinstance(one, RecordedGame)]
 
     def snapshot(self) -> dict[str, NDArray[Any]]:
         """What is to be remembered: whose turn it is, and which games these are."""

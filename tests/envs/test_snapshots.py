@@ -20,7 +20,7 @@ from hexwar_sb3.maps.scenario import PieceStart, Scenario
 from hexwar_sb3.rules.enums import PieceType
 
 PROGRAM = Path(__file__).with_name("broken_snapshots.py")
-KINDS = ("red", "blue", "both", "route", "flat")
+KINDS = ("red", "blue", "both", "recorded", "route", "flat")
 TASK, ROUTE, FLAT = "HexWarTask-v0", "HexWarRoute-v0", "HexWarFlat-v0"
 
 
