@@ -150,7 +150,7 @@ def test_every_snapshot_goes_on_to_the_bit(recorded: Path, by_orders: Path) -> N
     shown = set[int]()
 
     obs = env.reset()
-    for _ in range(20):
+    for _ in range(12):
         assert same(obs, other.restore(env.snapshot()))
         actions = picked(env, rng)
         obs, *mine = env.step(actions)
