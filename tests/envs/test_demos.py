@@ -25,7 +25,7 @@ from hexwar_sb3.tasks.records import MAX_TASKS
 
 TASK, FLAT = "HexWarTask-v0", "HexWarFlat-v0"
 SEED, SHARE, EPISODES = 5, 0.6, 12
-SHORT = replace(load_scenario("plain"), name="short", game_ticks=900)
+SHORT = replace(load_scenario("plain"), name="short", game_ticks=600)
 GAMES: dict[str, Any] = {
     "scenario": SHORT,
     "side": "both",
@@ -97,8 +97,8 @@ def same(one: Any, other: Any) -> bool:
 @pytest.mark.parametrize(
     ("name", "settings", "steps"),
     [
-        (TASK, {"privileged_state": True}, 60),
-        (TASK, {"decisions": "event", "decision_ticks": 100, "n_envs": 3}, 30),
+        (TASK, {"privileged_state": True}, 36),
+        (TASK, {"decisions": "event", "decision_ticks": 100, "n_envs": 3}, 15),
         (FLAT, {"decision_ticks": 150}, 120),
     ],
 )
@@ -126,7 +126,7 @@ def test_by_their_orders_alone_they_are_the_same_games_and_every_task_is_a_valid
     obs, seen, rng = live.reset(), again.reset(), np.random.default_rng(0)
     named = np.zeros(2, np.int64)
 
-    for _ in range(50):
+    for _ in range(36):
         actions, mask = picked(live, rng), seen["action_mask"].copy()
         obs, *mine, infos = live.step(actions)
         seen, *its, told = again.step(actions)
@@ -205,7 +205,7 @@ def test_files_take_turns_and_each_is_for_its_camp(recorded: Path) -> None:
     env = native(TASK, demo=recorded, demo_share=1.0, n_envs=1, side="blue", decision_ticks=300)
     env.reset()
     games, seen = env.games, list[str]()
-    for _ in range(3 * 8):
+    for _ in range(2 * 8):
         if games.arena.state.games.tick[0] == 0:
             game = games.demonstrations.recorded(int(games.shown[0]))
             seen.append(game.source.name)
@@ -301,11 +301,11 @@ def same_weights(one: HierarchicalQMIX, other: HierarchicalQMIX) -> bool:
 
 def test_who_learns_from_files_has_the_weights_of_who_watched_the_bot(recorded: Path) -> None:
     """The very games that the bot would play, from their files: the same training, to the last bit."""
-    live, again = new_model("MA2").learn(120), new_model(recorded).learn(120)
+    live, again = new_model("MA2").learn(80), new_model(recorded).learn(80)
 
     assert live.num_timesteps == again.num_timesteps
     assert same_weights(live, again)
-    assert not same_weights(live, new_model("MA1").learn(120))
+    assert not same_weights(live, new_model("MA1").learn(80))
 
 
 class SaveAt(BaseCallback):
@@ -327,11 +327,11 @@ def test_a_training_from_files_goes_on_to_the_bit_and_from_no_others(
     by_orders: Path, few: Path, tmp_path: Path
 ) -> None:
     path = tmp_path / "checkpoint"
-    unbroken = new_model([by_orders, "MA1"]).learn(120, callback=SaveAt(54, path))
+    unbroken = new_model([by_orders, "MA1"]).learn(80, callback=SaveAt(38, path))
 
     resumed = load_checkpoint(path, new_env([by_orders, "MA1"]), HierarchicalQMIX)
-    assert resumed.num_timesteps == 54
-    resumed.learn(120 - 54, reset_num_timesteps=False)
+    assert resumed.num_timesteps == 38
+    resumed.learn(80 - 38, reset_num_timesteps=False)
 
     assert same_weights(unbroken, resumed)  # type: ignore[arg-type]
     with pytest.raises(ConfigError, match="these games were saved without the demonstration"):
