@@ -12,6 +12,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from hexwar_sb3.engine.replay import Replay
+from hexwar_sb3.engine.replay_file import content_hash
 from hexwar_sb3.rules.enums import Camp
 
 
@@ -64,6 +66,38 @@ def scramble_unseen(arena: Any, b: int, camp: Camp, rng: np.random.Generator) ->
 def scramble() -> Callable[[Any, int, Camp, np.random.Generator], None]:
     """Function that changes everything in game b of an arena that a camp can neither see nor remember."""
     return scramble_unseen
+
+
+def told_otherwise(replay: Replay, change: Callable[[list[Any]], object]) -> Replay:
+    """The replay with other lines, and the hash that they have."""
+    lines = copy.deepcopy([dict(line) for line in replay.lines])
+    change(lines)
+    return Replay((*lines[:-1], lines[-1] | {"sha256": content_hash(lines[:-1])}))
+
+
+@pytest.fixture
+def changed_replay() -> Callable[[Replay, Callable[[list[Any]], object]], Replay]:
+    """Function that changes the lines of a replay, and seals it again."""
+    return told_otherwise
+
+
+@pytest.fixture(scope="session")
+def as_person() -> Callable[..., Replay]:
+    """Function that says of a game that people played these camps, and, where `named` is False, nothing of bots."""
+
+    def told(replay: Replay, *camps: str, named: bool = True) -> Replay:
+        def change(lines: list[Any]) -> None:
+            for camp in camps:
+                lines[0]["players"][camp]["kind"] = "human"
+            if not named:
+                lines[0]["players"] = {
+                    camp: one | {"name": "Ann"} for camp, one in lines[0]["players"].items()
+                }
+                lines[:] = [line for line in lines if line["type"] != "decision"]
+
+        return told_otherwise(replay, change)
+
+    return told
 
 
 SWAPS: tuple[Any, ...] = (None, [], {}, -1, 0.5, 1e308, True, "x", "", 10**39, [[]], {"x": 1}, ["x"] * 3)

@@ -81,7 +81,7 @@ class Preset:
 
     def env_for(self, scenario: ScenarioLike) -> Settings:
         """Settings of the task env on a map, for a learner that a bot may show how it plays."""
-        own = {"demo_bot": "MA2", "privileged_state": True}
+        own = {"demo": "MA2", "privileged_state": True}
         return {"n_envs": self.n_envs, **own, **self.env, **self.terms(scenario).settings}
 
     def learner_for(self, games: int, scenario: ScenarioLike) -> Settings:

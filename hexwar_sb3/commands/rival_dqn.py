@@ -26,6 +26,7 @@ from hexwar_sb3.callbacks.shares import ShareOfGames
 from hexwar_sb3.commands.baseline import run_baseline
 from hexwar_sb3.commands.flat_dqn import FlatDqn
 from hexwar_sb3.envs.flat_games import FlatGames
+from hexwar_sb3.evaluation.opponents import with_weights
 from hexwar_sb3.policies.masked import fill_masked
 from hexwar_sb3.tasks.features import sizes
 from hexwar_sb3.tasks.records import MAX_TASKS
@@ -101,15 +102,18 @@ class RivalDqn(FlatDqn):
     n_steps: int = 28  # turns of a transition: four decisions
     tau: float = 1.0  # share of the network that goes into the target
     stickiness: float = 0.8
-    demo_bot: str = "MA2"
-    demo_share: float = 0.25  # of the first games: a bot plays the learner's seat, and the learner watches
+    demo: tuple[str, ...] = ("MA2",)  # bots, replays (*.hwr), or folders of them
+    demo_share: float = (
+        0.25  # of the first games: one of these plays the learner's seat, and the learner watches
+    )
     demo_games: int = 500
     name: str = "rival_dqn"
 
     @property
     def env_settings(self) -> dict[str, Any]:
-        """A bot for the demonstrations."""
-        return {**super().env_settings, "demo_bot": self.demo_bot}
+        """Somebody for the demonstrations."""
+        demo = list(with_weights(self.demo, "demonstration").items())
+        return {**super().env_settings, "demo": demo}
 
     def new_model(self) -> RivalDQN:
         """SB3's DQN with our settings and additions."""

@@ -31,6 +31,8 @@ class Train(TrainSettings):
             with holding(folder.path, "run"):
                 compile_first()
                 return train(settings, go_on(settings, folder), folder)
+        if self.learns_from_replays:
+            compile_first()  # they are played again first
         # A wrong setting shows here, before anything is compiled or written.
         model = new_model(self, make_env(self))
         compile_first()

@@ -14,7 +14,7 @@ from hexwar_sb3.algorithms.presets import OF_POLICY, PARTS, Preset
 from hexwar_sb3.commands.run_folder import RunFolder
 from hexwar_sb3.commands.settings import ConstantPlans, Json, ScenarioName, Seed, check_name
 from hexwar_sb3.errors import ConfigError, FileFormatError, HexWarError, UnknownNameError
-from hexwar_sb3.evaluation.opponents import broad_mixture, named, sizes
+from hexwar_sb3.evaluation.opponents import broad_mixture, named, sizes, with_weights
 from hexwar_sb3.evaluation.seeds import Purpose
 from hexwar_sb3.kinds import read_fields
 from hexwar_sb3.maps.files import builtin_names
@@ -61,9 +61,10 @@ class TrainSettings:
     spots: OfPreset[int] = None
     # share of the games in which each piece first goes to a random cell of G^B; it falls to 0 by half of the training
     warm_start: OfPreset[float] = None
-    demo_share: OfPreset[float] = None  # share of the first games in which a bot shows how it plays
+    demo_share: OfPreset[float] = None  # share of the first games in which somebody shows how to play
     demo_games: OfPreset[int] = None  # number of those first games
-    demo_bot: str = "MA2"  # bot that plays the demonstrations
+    # who plays these demonstrations: bots, replays of people or others (*.hwr), or folders of them, NAME or NAME=WEIGHT
+    demo: tuple[str, ...] = ("MA2",)
 
     lower: OfPreset[str] = None  # who leads the pieces: "learned", "heuristic", or the folder of a policy
     phase_ticks: OfPreset[tuple[int, int]] = None  # game ticks of the upper, of the lower level, in turn
@@ -204,7 +205,15 @@ class TrainSettings:
     @property
     def env(self) -> dict[str, Any]:
         """Settings of the task env, apart from who plays."""
-        return {**self.chosen.env_for(self.scenario), "side": self.side, "demo_bot": self.demo_bot}
+        own = {"side": self.side, "demo": list(with_weights(self.demo, "demonstration").items())}
+        return {**self.chosen.env_for(self.scenario), **own}
+
+    @property
+    def learns_from_replays(self) -> bool:
+        """Whether recorded games are among the demonstrations."""
+        from hexwar_sb3.play.shows import is_replays
+
+        return any(map(is_replays, with_weights(self.demo, "demonstration")))
 
     @property
     def route(self) -> dict[str, Any]:

@@ -21,7 +21,7 @@ class FlatEnv(gymnasium.Env[NDArray[Any], np.int64]):
     that it can get to stays. An illegal action, counted in info["illegal_actions"], names no valid task and
     stands for stop, or a direction without a way from the cell and stands for staying.
 
-    In a share of the episodes a demo bot may play the learner's seat; info["demo_actions"] then names its turn.
+    In a share of the episodes somebody may show the learner how to play; info["demo_actions"] then names its turn.
 
     The reward, the margin's gain by eq. (3), comes with the turn that advances time, and is 0 with the
     others; info["ticks"] is the time that was played. Only turns that advance time should discount, yet a

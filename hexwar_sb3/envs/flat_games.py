@@ -35,7 +35,7 @@ class FlatGames(TaskGames):
 
     A piece sees the state of the decision: the turns that others had before it change nothing yet. The
     direction of an action is kept from cell to cell until it is illegal or the piece has its next turn.
-    A demo bot's turns are named by the nearest tasks and the hops that its pieces are about to make.
+    The turns of who shows a game are named by the nearest tasks and the hops that its pieces are about to make.
     """
 
     keeps_answers = True
@@ -117,6 +117,7 @@ class FlatGames(TaskGames):
 
     def _open(self, which: Games) -> Games:
         """Look, and give the turn to the first living piece of each game; the games that have none."""
+        self._take_over(which)
         self.look(which)
         self.picked[which], self.answers[which] = 0, 0
         for b, tasks in self._show(which[self.demos[which]]).items():

@@ -65,7 +65,7 @@ class FlatVecEnv(NativeVecEnv):
         return [self.games.first_seed] * self.num_envs
 
     def set_demo_share(self, share: float) -> None:
-        """Share of the episodes, from the next ones on, in which the demo bot plays the learner's seat."""
+        """Share of the episodes, from the next ones on, in which somebody shows the learner how to play."""
         self.games.demo_share = check_share("demo_share", share)
 
     def snapshot(self) -> Snapshot:

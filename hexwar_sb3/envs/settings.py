@@ -27,7 +27,9 @@ class TaskSettings(Terms):
     reward: str = "paper"  # margin by eq. (1); "net": own minus enemy, without green
     privileged_state: bool = False  # adds "state", the truth, for a mixer in training
     warm_start: float = 0.0  # share of episodes that begin near the hot spots (III-C), 0..1
-    demo_bot: str | None = None  # plays the learner's seat in a share of the episodes
+    # who plays the learner's seat in a share of the episodes: a bot, a replay file or a folder of them, a list of these,
+    # or a list of (one, weight)
+    demo: object = None
     demo_share: float = 0.0  # 0..1
     dtype: str = "float32"  # of the observations; or "float16"
 
@@ -46,10 +48,10 @@ class TaskSettings(Terms):
         check_share("demo_share", self.demo_share)
         check_priority(self.priority)
         check_flag("privileged_state", self.privileged_state)
-        if self.demo_share > 0 and self.demo_bot is None:
-            raise ConfigError("demo_share needs a demo_bot, for example demo_bot='MA1'")
-        if self.demo_bot is not None and self.decision_ticks == 1:
-            raise ConfigError("a demo_bot needs decision_ticks >= 2: it is watched for one tick first")
+        if self.demo_share > 0 and self.demo is None:
+            raise ConfigError("demo_share needs a demo, for example demo='MA1'")
+        if self.demo is not None and self.decision_ticks == 1:
+            raise ConfigError("a demo needs decision_ticks >= 2: it is watched for one tick first")
 
 
 def task_settings(settings: dict[str, Any]) -> TaskSettings:

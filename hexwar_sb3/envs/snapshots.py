@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -18,7 +18,6 @@ from hexwar_sb3.play.arena import Arena, Snapshot
 from hexwar_sb3.play.lower import KEPT
 from hexwar_sb3.play.records import EXTERNAL
 from hexwar_sb3.play.seeds import MOST_SEED
-from hexwar_sb3.players.player import BotPlayer, Seat
 
 MOST_EPISODES = 2**62  # far below the end of int64
 
@@ -49,9 +48,15 @@ def check_origin(snapshot: Snapshot, own: NDArray[np.str_]) -> None:
 
 
 def check_games(
-    snapshot: Snapshot, arena: Arena, slots: Mapping[str, NDArray[Any]]
+    snapshot: Snapshot, arena: Arena, slots: Mapping[str, NDArray[Any]], parts: Iterable[str]
 ) -> tuple[State, Rows, Rows]:
     """Check the arena's part, and the form of the env's own arrays.
+
+    Args:
+        snapshot: to check.
+        arena: that is to play on.
+        slots: the env's own arrays, with a value a game.
+        parts: names of the arrays that others check.
 
     Returns:
         Copies of the state, the missions and the drives.
@@ -60,7 +65,7 @@ def check_games(
         CheckpointError: an array is broken, missing or unknown.
     """
     names = list(arena.snapshot())
-    check_names(snapshot, [*names, *slots, "met", "rates", "beaten_by", "counters", "origin"])
+    check_names(snapshot, [*names, *slots, *parts, "counters", "origin"])
     for name, array in slots.items():
         check_form(name, snapshot[name], array.dtype, array.shape)
     check_form("counters", snapshot["counters"], np.int64, (2,))
@@ -87,23 +92,21 @@ def check_opponents(opponents: NDArray[np.int64], players: int) -> None:
         )
 
 
-def check_seats(snapshot: Snapshot, drives: Rows, demo_bot: Seat | None, *, keeps_answers: bool) -> None:
-    """Check that the learner, or the demo bot, sits where the env has it.
+def check_seats(snapshot: Snapshot, drives: Rows, bots: NDArray[np.int64], *, keeps_answers: bool) -> None:
+    """Check that the learner, or who shows it a game, sits where the env has it.
 
     Args:
-        snapshot: with `camps` and `demos` [n].
+        snapshot: with `camps` [n].
         drives: of the games [n].
-        demo_bot: of the env, if there is one.
+        bots: that sit in the learner's seat, EXTERNAL where none does [n].
         keeps_answers: the learner gives directions beside its tasks.
 
     Raises:
         CheckpointError: somebody else sits there.
     """
-    camps, demos = snapshot["camps"], snapshot["demos"]
-    check_all("demos", ~demos | (demo_bot is not None), demos, "a demo_bot to play them")
-    bot = demo_bot.bot if isinstance(demo_bot, BotPlayer) else EXTERNAL
+    camps = snapshot["camps"]
     seats = drives.seat[np.arange(len(camps)), camps]
-    check_all("drives.seat", seats == np.where(demos, bot, EXTERNAL), seats, "nobody but the learner")
+    check_all("drives.seat", seats == bots, seats, "nobody but the learner, or the bot that shows a game")
     learns = np.arange(2) == camps[:, None]
     asked = (drives.seat == EXTERNAL) | learns
     check_all("drives.asked", drives.asked == asked, drives.asked, "1 for the learner, and where no bot sits")

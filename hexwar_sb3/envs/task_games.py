@@ -19,12 +19,14 @@ from hexwar_sb3.engine.state import State
 from hexwar_sb3.engine.world import World, load_world
 from hexwar_sb3.envs.settings import TaskSettings
 from hexwar_sb3.envs.snapshots import check_games, check_opponents, check_origin, check_seats
-from hexwar_sb3.errors import ConfigError, shortened
+from hexwar_sb3.errors import ConfigError
 from hexwar_sb3.kernels import Rows
 from hexwar_sb3.play.arena import Arena, Games, Snapshot
 from hexwar_sb3.play.encounters import Encounters
+from hexwar_sb3.play.recorded import RecordedGame
 from hexwar_sb3.play.records import EXTERNAL
 from hexwar_sb3.play.seeds import chosen_seed, episode_draw, game_seed
+from hexwar_sb3.play.shows import NOBODY, Demonstrations
 from hexwar_sb3.play.sight import Sight
 from hexwar_sb3.play.warm_start import WARM_TICKS, send_out
 from hexwar_sb3.players.fit import check_actions, check_fit
@@ -36,7 +38,6 @@ from hexwar_sb3.players.player import (
     bot_player,
     has_played,
     make_mixture,
-    make_player,
     member_of,
     same_player,
 )
@@ -61,7 +62,7 @@ class Span:
     over: NDArray[np.bool_]  # [n]
     ticks: NDArray[np.int64]  # length [n]
     illegal: NDArray[np.int64]  # actions that named no valid task [n]
-    demo: dict[int, NDArray[np.int64]]  # game -> task indices of the bot in the learner's seat [N]
+    demo: dict[int, NDArray[np.int64]]  # game -> task indices of who shows it [N]
 
 
 class TaskGames:
@@ -77,10 +78,11 @@ class TaskGames:
         check_whole("n_envs", n_games, least=1)
         self.settings, self.n_games = settings, n_games
         self.lower = make_lower(settings.lower)
-        self.demo_bot = _demo_bot(settings.demo_bot)
         self.demo_share, self.warm_start = settings.demo_share, settings.warm_start
         self.arena = Arena(load_world(settings.scenario), n_games, settings)
         check_pieces(self.arena.world)
+        camps = [parse_camp(side) for side in CAMPS_OF[settings.side]]
+        self.demonstrations = Demonstrations(settings.demo, self.arena.world, camps, fog=settings.fog)
         self.mixture = fitting_mixture(settings.opponent, self.arena.world, self._rival_camps)
         self.encounters = Encounters(len(self.mixture.players), settings.priority)
         self.all = np.arange(n_games)
@@ -88,7 +90,10 @@ class TaskGames:
         self.episodes = np.full(n_games, -1)  # number of the episode in each slot [n]
         self.opponents = np.zeros(n_games, np.int64)  # index in the mixture [n]
         self.rivals: list[Seat] = [self.mixture.players[0]] * n_games  # each game's own [n]
-        self.demos = np.zeros(n_games, np.bool_)  # the demo bot holds the learner's seat [n]
+        self.demos = np.zeros(n_games, np.bool_)  # somebody shows the learner how to play its camp [n]
+        self.shown = np.full(
+            n_games, NOBODY
+        )  # number of the demonstration, NOBODY where the learner plays [n]
         self._sights = self._new_sight(), self._new_sight()
         self.seed(seed)
 
@@ -115,12 +120,34 @@ class TaskGames:
             self.opponents[b] = self.mixture.draw(self._seed, episode, self.encounters.urgency)
             met = int(self.opponents[b])
             self.rivals[b] = self.encounters.seat(met, self.mixture.players[met], self._seed, episode)
-            draw = episode_draw(self._seed, episode, _DEMO_STREAM).random()
-            self.demos[b] = self.demo_bot is not None and draw < self.demo_share
-            self.arena.begin(int(b), game_seed(self._seed, episode), *self._seats(int(b)))
+            self._draw_show(int(b), episode_draw(self._seed, episode, _DEMO_STREAM))
+            recorded = self._recorded(int(b))
+            seed = game_seed(self._seed, episode) if recorded is None else recorded.seed
+            self.arena.begin(int(b), seed, *self._seats(int(b)))
             self._lead(int(b))
             self.arena.drives[b].asked[self.camps[b]] = 1
             self._warm_up(int(b), episode_draw(self._seed, episode, _WARM_STREAM))
+
+    def _draw_show(self, b: int, rng: np.random.Generator) -> None:
+        """Draw whether somebody shows the learner how to play this game, and who."""
+        shows = rng.random() < self.demo_share
+        self.shown[b] = self.demonstrations.draw(Camp(self.camps[b]), rng) if shows else NOBODY
+        self.demos[b] = self.shown[b] != NOBODY
+
+    def _recorded(self, b: int) -> RecordedGame | None:
+        """The recorded game that is played again in a slot, if it is one."""
+        return self.demonstrations.recorded(int(self.shown[b]))
+
+    def _take_over(self, which: Games) -> None:
+        """Let the learner go on, against the drawn opponent, where a recorded game was broken off before this decision."""
+        for b, recorded in self._of_records(which).items():
+            game = self.arena.state.games[b]
+            if game.tick < recorded.end_tick or game.over:
+                continue
+            self.shown[b], self.demos[b] = NOBODY, False
+            for camp, seat in enumerate(self._seats(b)):
+                self.arena.sit(b, camp, seat)
+            self._lead(b)
 
     def set_lower(self, lower: object) -> None:
         """Let another lower level lead the learner's pieces, from their next cell or decision on."""
@@ -145,7 +172,7 @@ class TaskGames:
                 self.encounters.take(k, counted, known[0])
 
     def _lead(self, b: int) -> None:
-        """Say who answers for the learner's pieces on their way; a demo bot leads its own."""
+        """Say who answers for the learner's pieces on their way; who shows a game leads its own."""
         if not self.demos[b]:
             self.arena.set_lower(b, int(self.camps[b]), self.lower)
 
@@ -180,6 +207,7 @@ class TaskGames:
         """
         self.check_begun()
         picked = check_actions(actions, self.sight.rows.shape[:2])
+        self._take_over(self.all)
         before, start = self.scores(), self.arena.state.games.tick.astype(np.int64)
         shown, learns = self.all[self.demos], self.all[~self.demos]
         illegal = np.zeros(self.n_games, np.int64)
@@ -213,8 +241,12 @@ class TaskGames:
             "win": float(self.arena.wins(row, camps)[0]),
             "points_held": self.arena.points_held(b, CampIndex(camps[0])),
             "side": camp_name(int(camps[0])),
-            "opponent": _label(self.rivals[b]),
+            "opponent": self._rival_name(b),
         }
+
+    def _rival_name(self, b: int) -> str:
+        recorded = self._recorded(b)
+        return _label(self.rivals[b]) if recorded is None else recorded.names[1 - self.camps[b]]
 
     def current_tasks(self, obs: Obs) -> NDArray[np.int64]:
         """Row of each piece's task under way in the task sets of an observation; -1: it is not there [n, N]."""
@@ -229,8 +261,8 @@ class TaskGames:
         """Everything that changes in play, as arrays without objects."""
         slots = {name: array.copy() for name, array in self._slots().items()}
         counters = np.array([self._seed, self._next_episode], np.int64)
-        met = self.encounters.snapshot()
-        return {**self.arena.snapshot(), **slots, **met, "counters": counters, "origin": self.origin}
+        others = {**self.encounters.snapshot(), **self.demonstrations.snapshot()}
+        return {**self.arena.snapshot(), **slots, **others, "counters": counters, "origin": self.origin}
 
     def restore(self, snapshot: Snapshot, waiting: NDArray[np.uint32] | None = None) -> Obs:
         """Go on where `snapshot` was taken, in an env of the same settings; the observation there.
@@ -240,14 +272,17 @@ class TaskGames:
             waiting: as in `check`.
 
         Raises:
-            ConfigError: it was taken on another scenario, under other rules, with other bots or more opponents.
+            ConfigError: it was taken on another scenario, under other rules, with other bots, other demonstrations or
+                more opponents.
             CheckpointError: it is broken; the env is as it was.
         """
         _, _, drives = self.check(snapshot, waiting)
         for name, array in self._slots().items():
             array[...] = snapshot[name]
+        self.shown = self._shown_in(snapshot).copy()
         self._seed, self._next_episode = snapshot["counters"].tolist()
         self.encounters.restore(snapshot)
+        self.demonstrations.restore(snapshot)
         for b in self.all:
             self.rivals[b] = self._rival(int(b), snapshot, drives)
             for camp, seat in enumerate(self._seats(int(b))):
@@ -274,7 +309,9 @@ class TaskGames:
             ConfigError, CheckpointError: as `restore`.
         """
         check_origin(snapshot, self.origin)
-        state, missions, drives = check_games(snapshot, self.arena, self._slots())
+        parts = [*self.encounters.snapshot(), *self.demonstrations.snapshot()]
+        state, missions, drives = check_games(snapshot, self.arena, self._slots(), parts)
+        self.demonstrations.check(snapshot)
         check_all(
             "drives.waiting", drives.waiting == (0 if waiting is None else waiting), drives.waiting, "none"
         )
@@ -288,9 +325,19 @@ class TaskGames:
         own = np.array([self.camp_of(int(episode)) for episode in snapshot["episodes"]])
         check_all("camps", camps == own, camps, "the camp of the episode")
         check_opponents(snapshot["opponents"], len(self.mixture.players))
-        check_seats(snapshot, drives, self.demo_bot, keeps_answers=self.keeps_answers)
+        shown = self._shown_in(snapshot)
+        check_all(
+            "demos", snapshot["demos"] == (shown != NOBODY), snapshot["demos"], "1 where a game is shown"
+        )
+        self.demonstrations.check_shown(shown, camps, state.games.seed)
+        bots = [self.demonstrations.bot(int(show), camp) for show, camp in zip(shown, camps, strict=True)]
+        check_seats(snapshot, drives, np.array(bots), keeps_answers=self.keeps_answers)
         for b in self.all:
             self._rival(int(b), snapshot, drives)
+
+    def _shown_in(self, snapshot: Snapshot) -> NDArray[np.int64]:
+        """What a snapshot's games show [n]; where there is one bot, it is said by `demos`."""
+        return np.where(snapshot["demos"], 0, NOBODY) if self.demonstrations.alone else snapshot["shown"]
 
     def _rival(self, b: int, snapshot: Snapshot, drives: Rows) -> Seat:
         """Who plays on against the learner: a bot that began a game ends it, whatever the mixture has now.
@@ -300,6 +347,9 @@ class TaskGames:
         """
         opponent, camp = snapshot["opponents"][b], 1 - snapshot["camps"][b]
         player, seat = self.mixture.players[opponent], drives.seat[b, camp]
+        if self.demonstrations.recorded(int(self._shown_in(snapshot)[b])) is not None:
+            check_all("drives.seat", seat == EXTERNAL, seat, "nobody, as the orders are recorded")
+            return player
         if seat != EXTERNAL:
             bot = next(name for name, spec in BOTS.items() if spec.id == seat)
             rival = bot_player(bot, int(snapshot["brains"]["drawn"]["member"][b, camp]))
@@ -325,6 +375,7 @@ class TaskGames:
             "episodes": self.episodes,
             "opponents": self.opponents,
             "demos": self.demos,
+            **({} if self.demonstrations.alone else {"shown": self.shown}),
         }
 
     @property
@@ -339,9 +390,7 @@ class TaskGames:
         return parse_camp(self.settings.side)
 
     def _seats(self, b: int) -> tuple[Seat | None, Seat | None]:
-        own = self.demo_bot if self.demos[b] else None
-        other = self.rivals[b]
-        return (own, other) if self.camps[b] == Camp.RED else (other, own)
+        return self.demonstrations.seats(int(self.shown[b]), Camp(self.camps[b]), self.rivals[b])
 
     def _warm_up(self, b: int, rng: np.random.Generator) -> None:
         """In a share of the episodes, play the way to the hot spots before the first decision (III-C)."""
@@ -359,22 +408,50 @@ class TaskGames:
         """Play on until the learner is due or the game is over, asking the opponents meanwhile."""
         while which.size:
             self.arena.ask(which)
-            self.arena.advance(which)
+            self._play_on(which)
             waiting = ~self.arena.due(which, self.camps[which]) & ~self.arena.over(which)
             which = which[waiting]
 
+    def _play_on(self, which: Games) -> None:
+        """Play each game to its next decision or its end: the recorded ones by their orders."""
+        recorded = self._of_records(which)
+        self.arena.advance(np.setdiff1d(which, list(recorded)) if recorded else which)
+        for b, game in recorded.items():
+            game.play(self.arena, b)
+
+    def _of_records(self, which: Games) -> dict[int, RecordedGame]:
+        """The recorded games among these slots."""
+        if not self.demonstrations.games:
+            return {}
+        return {
+            int(b): game for b in which[self.demos[which]] if (game := self._recorded(int(b))) is not None
+        }
+
     def _show(self, shown: Games) -> dict[int, NDArray[np.int64]]:
-        """Let the demo bot think in this state, and name its missions by the task sets that were observed."""
+        """Let the bot that shows a game think in this state, and name its missions by the task sets that were observed.
+
+        Where no bot does, the pieces get tasks by what the record says they were about.
+        """
         named: dict[int, NDArray[np.int64]] = {}
         if not shown.size:
             return named
         periods, camps = self.arena.drives.period, self.camps[shown]
+        for b, camp in zip(shown.tolist(), camps.tolist(), strict=True):
+            self._choose_recorded(b, Camp(camp))
         periods[shown, camps] = 1
         self._advance(shown)
         periods[shown, camps] = self.settings.decision_ticks
         for b, camp in zip(shown, camps, strict=True):
             named[int(b)] = self.arena.name_missions(int(b), CampIndex(camp), self.sight, int(b))
         return named
+
+    def _choose_recorded(self, b: int, camp: Camp) -> None:
+        """Give the pieces of a camp that is shown without a bot their tasks of this decision."""
+        recorded = self._recorded(b)
+        if recorded is not None and recorded.bots[camp] is None:
+            period = self.settings.decision_ticks
+            until = (int(self.arena.state.games.tick[b]) // period + 1) * period
+            recorded.choose(self.arena, b, camp, until, self.sight, b)
 
     def _new_sight(self) -> Sight:
         camp = Camp.BLUE if self.settings.side == "blue" else Camp.RED
@@ -412,15 +489,6 @@ def fitting_mixture(opponent: object, world: World, camps: Iterable[Camp]) -> Mi
         for seat, name in zip(mixture.players, mixture.names, strict=True):
             check_fit(seat, world, camp, name)
     return mixture
-
-
-def _demo_bot(name: str | None) -> BotPlayer | None:
-    if name is None:
-        return None
-    bot = make_player(name)
-    if not isinstance(bot, BotPlayer):
-        raise ConfigError(f"demo_bot is a bot, which runs in the drive loop; got {shortened(repr(name))}")
-    return bot
 
 
 def _label(seat: Seat) -> str:

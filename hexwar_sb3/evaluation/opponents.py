@@ -50,8 +50,12 @@ def named(opponents: Sequence[str]) -> list[str]:
     return [name for name in with_weights(opponents) if name != SELF]
 
 
-def with_weights(opponents: Sequence[str]) -> dict[str, float]:
+def with_weights(opponents: Sequence[str], what: str = "opponent") -> dict[str, float]:
     """Opponents and their weights: NAME=WEIGHT, or NAME alone for a weight of 1.
+
+    Args:
+        opponents: as they are written.
+        what: they are, for messages.
 
     Raises:
         ConfigError: there is none, one is named twice, or a weight is out of its range.
@@ -64,20 +68,20 @@ def with_weights(opponents: Sequence[str]) -> dict[str, float]:
     for text in opponents:
         matched = WEIGHT.fullmatch(text)
         name, number = matched.groups() if matched else (text, "1")
-        weight = _weight(text, number)
+        weight = _weight(what, text, number)
         if name in found:
-            raise ConfigError(f"each opponent is named once, got {name!r} again")
+            raise ConfigError(f"each {what} is named once, got {name!r} again")
         found[name] = weight
     if not sum(found.values()) > 0.0:
-        raise ConfigError("name at least one opponent with a weight above 0")
+        raise ConfigError(f"name at least one {what} with a weight above 0")
     return found
 
 
-def _weight(text: str, number: str) -> float:
+def _weight(what: str, text: str, number: str) -> float:
     try:
         weight = float(number)
     except ValueError:
         weight = float("nan")
     if not isfinite(weight):
-        raise ConfigError(f"an opponent is NAME or NAME=WEIGHT, got {text!r}")
+        raise ConfigError(f"{'an' if what[0] == 'o' else 'a'} {what} is NAME or NAME=WEIGHT, got {text!r}")
     return weight

@@ -310,11 +310,16 @@ class Arena:
             self._sights[camp] = Sight(self.world, camp, self.n_games)
         return self._sights[camp]
 
-    def name_missions(self, b: int, camp: CampIndex, sight: Sight, slot: int) -> NDArray[np.int64]:
-        """Task indices [N] nearest to what camp is doing in game b, by what it saw in a slot."""
+    def name_missions(
+        self, b: int, camp: CampIndex, sight: Sight, slot: int, missions: Rows | None = None
+    ) -> NDArray[np.int64]:
+        """Task indices [N] nearest to what camp is doing in game b, or to other missions [P], by what it saw in a slot."""
         tasks, mask = sight.rows[slot], sight.obs["action_mask"][slot]
-        actions = np.zeros(len(tasks), np.int64)
-        name_missions(camp, self.state.games[b], self.missions[b], tasks, mask, self.world.cells, actions)
+        actions, under_way = (
+            np.zeros(len(tasks), np.int64),
+            self.missions[b] if missions is None else missions,
+        )
+        name_missions(camp, self.state.games[b], under_way, tasks, mask, self.world.cells, actions)
         return actions
 
     def name_moves(self, b: int, camp: CampIndex) -> NDArray[np.int64]:

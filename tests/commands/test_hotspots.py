@@ -8,10 +8,13 @@ from pathlib import Path
 
 import pytest
 
-from hexwar_sb3.engine.replay import Replay
+from hexwar_sb3.engine import game as by_orders
+from hexwar_sb3.engine.replay import PlayerName, Replay
 from hexwar_sb3.engine.world import load_world
+from hexwar_sb3.play.game import Game
 from hexwar_sb3.play.recording import record_game
 from hexwar_sb3.players.terms import Terms
+from hexwar_sb3.tasks.hotspots import count_visits
 from hexwar_sb3.tasks.spots import load_spots
 
 Command = Callable[..., tuple[int, str, str]]
@@ -118,3 +121,28 @@ def test_a_replay_of_another_map_is_named_with_both_maps(
     assert f'expected "plain" ({Replay.load(replays / "first" / "a.hwr").scenario().hexmap.hash})' in err
     assert err.count("\n") == 1
     assert not out.exists()
+
+
+def test_games_of_people_are_counted_like_those_of_bots_whole_or_broken_off(
+    hexwar: Command, tmp_path: Path
+) -> None:
+    """Files of `Game` have people's orders and no decisions; a person's game against a bot is of version 2."""
+    alone = by_orders.Game("plain")
+    alone.submit("red", "tank0 move E E E", strict=False)
+    alone.advance(500)
+    Replay.of(alone, PlayerName(name="Ann"), PlayerName(name="Ben")).save(tmp_path / "games" / "alone.hwr")
+    against = Game("plain", opponent="MA1", side="blue")
+    against.submit("blue", "tank0 move W W", strict=False)
+    against.advance(1800)
+    replay = Replay.of(against, PlayerName(name="MA1", kind="bot"), PlayerName(name="Ann"))
+    replay.save(tmp_path / "games" / "deeper" / "against.hwr")
+    assert replay.head["version"] == 2
+    assert {"decision", "state"} <= {line["type"] for line in replay.lines}
+
+    document = json.loads(hexwar("hotspots", str(tmp_path / "games"), "--k", "1", "--json")[1])
+
+    assert document["source"].endswith(": 2 games, 1 of Ann against Ben, 1 of MA1 against Ann")
+    counts = [count_visits(Replay.load(path), load_world("plain")) for path in tmp_path.rglob("*.hwr")]
+    stays = [int(count[camp].sum()) for count in counts for camp in (0, 1)]
+    assert sorted(stays)[:3] == [0, 1, 1]  # Ben's, Ann's two
+    assert max(stays) > 5  # the bot's

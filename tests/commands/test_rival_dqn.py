@@ -86,5 +86,5 @@ def test_a_training_ends_with_a_model_that_plays(tmp_path: Path) -> None:
 
 
 def test_another_bot_shows_if_one_is_named() -> None:
-    with pytest.raises(Exception, match="unknown player 'MA3'"):
-        RivalDqn(**{**vars(SMALL), "demo_bot": "MA3"}).new_model()
+    with pytest.raises(Exception, match="unknown bot, replay or folder 'MA3'"):
+        RivalDqn(**{**vars(SMALL), "demo": ("MA3",)}).new_model()

@@ -30,8 +30,10 @@ from hexwar_sb3.errors import ConfigError
 from hexwar_sb3.evaluation.history import History
 from hexwar_sb3.evaluation.panel import CONSTANT_PLANS
 from hexwar_sb3.maps.files import load_scenario, save_scenario
+from hexwar_sb3.play.recording import record_game
 from hexwar_sb3.players.frozen import FrozenPolicy
 from hexwar_sb3.players.frozen_lower import fastest_way_network
+from hexwar_sb3.players.player import bot_player
 from hexwar_sb3.rules.enums import PieceType
 
 Command = Callable[..., tuple[int, str, str]]
@@ -306,3 +308,38 @@ def test_ctrl_c_saves_and_says_how_to_resume(
     assert code == 130
     assert saved == [100, 104]
     assert f"go on with: hexwar train --resume {tmp_path / 'commander_1'}" in out
+
+
+def test_demonstrations_may_be_recorded_games(hexwar: Command, tmp_path: Path) -> None:
+    """A folder and a bot, with weights, as the help says."""
+    record_game("MA2", "MA1", seed=1).save(tmp_path / "games" / "1.hwr")
+    settings = Train(demo=(str(tmp_path / "games"), "MA2=2"), n_envs=2, opponents=("MA1",))
+
+    games = make_env(settings).unwrapped.games  # type: ignore[attr-defined]
+
+    assert settings.learns_from_replays
+    assert not Train().learns_from_replays
+    assert [getattr(one, "names", one) for one in games.demonstrations.shows] == [
+        ("MA2", "MA1"),
+        bot_player("MA2"),
+    ]
+    assert "replays of people" in " ".join(hexwar("train", "--help")[1].replace("│", " ").split())
+
+
+def test_a_wrong_demonstration_is_refused_before_a_run_begins(hexwar: Command, tmp_path: Path) -> None:
+    bad = tmp_path / "games" / "bad.hwr"
+    record_game("MA2", "MA1", seed=1).save(bad)
+    bad.write_bytes(bad.read_bytes()[:-9])
+    wrong = {
+        str(bad.parent): f"hexwar: {bad}: byte ",
+        "nobody": "hexwar: unknown bot, replay or folder 'nobody'; known: ",
+        "MA2=x": "hexwar: unknown bot, replay or folder 'MA2=x'",
+        "MA2=0": "hexwar: name at least one demonstration with a weight above 0",
+    }
+    for demo, message in wrong.items():
+        code, out, err = hexwar("train", *SMALL, "--demo", demo, "--runs", str(tmp_path / "runs"))
+
+        assert (code, out) == (2, "")
+        assert err.startswith(message)
+        assert err.count("\n") == 1
+    assert not (tmp_path / "runs").exists()

@@ -8,13 +8,19 @@ from __future__ import annotations
 import json
 import sys
 from collections.abc import Iterator
+from functools import cache
+from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from hexwar_sb3.engine.game import Game
+from hexwar_sb3.engine.replay import Replay
 from hexwar_sb3.envs.registration import make_vec_env
 from hexwar_sb3.errors import HexWarError
+from hexwar_sb3.play.recording import record_game
 
 Snapshot = dict[str, NDArray[Any]]
 
@@ -40,8 +46,9 @@ KINDS: dict[str, tuple[str, dict[str, Any]]] = {
     ),
     "both": (
         "HexWarTask-v0",
-        {"side": "both", "opponent": [Picker(), "drawn-unseen"], "demo_bot": "MA1", "demo_share": 0.5},
+        {"side": "both", "opponent": [Picker(), "drawn-unseen"], "demo": "MA1", "demo_share": 0.5},
     ),
+    "recorded": ("HexWarTask-v0", {"side": "both", "opponent": "MA1", "demo_share": 1.0, "n_envs": 4}),
     "route": ("HexWarRoute-v0", {"opponent": ["MA1", Picker()], "scenario": ["plain", "paddy"], "n_envs": 4}),
     "flat": ("HexWarFlat-v0", {"side": "both", "opponent": "drawn"}),
 }
@@ -49,8 +56,27 @@ STEPS = {"route": 60, "flat": 60}  # into the games; else so many decisions:
 DECISIONS = 13
 
 
+@cache
+def recorded_games() -> Path:
+    """A folder of games for this process: two bots', and one of people who gave an order."""
+    folder = Path(_folder().name)
+    record_game("MA2", "MA1", seed=1).save(folder / "bots.hwr")
+    game = Game("plain")
+    game.submit("red", "tank0 move E E E")
+    game.advance(1800)
+    Replay.of(game).save(folder / "people.hwr")
+    return folder
+
+
+@cache
+def _folder() -> TemporaryDirectory[str]:
+    return TemporaryDirectory()
+
+
 def native(kind: str) -> Any:
     name, options = KINDS[kind]
+    if kind == "recorded":
+        options = {**options, "demo": recorded_games()}
     return make_vec_env(name, **{"n_envs": 2, "seed": 3, **options}).unwrapped
 
 

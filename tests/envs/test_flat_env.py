@@ -289,7 +289,7 @@ def test_a_restored_env_goes_on_as_before() -> None:
 
 
 def test_a_demonstration_is_the_bots_own_game_named_by_legal_turns() -> None:
-    env = vec_env(2, opponent="nearest", demo_bot="MA2", demo_share=1.0, decision_ticks=PACE, seed=5)
+    env = vec_env(2, opponent="nearest", demo="MA2", demo_share=1.0, decision_ticks=PACE, seed=5)
     env.reset()
     turns, moves, margins = 0, 0, dict[int, float]()
     while len(margins) < 2:

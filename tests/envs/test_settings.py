@@ -29,7 +29,7 @@ from hexwar_sb3.errors import ConfigError, HexWarError, UnknownNameError, Unknow
         ({"decision_ticks": 0}, "decision_ticks"),
         ({"decision_ticks": 7.5}, "decision_ticks"),
         ({"warm_start": 1.5}, "warm_start"),
-        ({"demo_share": 0.5}, "demo_bot"),
+        ({"demo_share": 0.5}, "demo_share needs a demo, for example demo='MA1'"),
         ({"opponnent": "MA1"}, "did you mean 'opponent'"),
     ],
 )
@@ -68,7 +68,7 @@ WRONG: list[Any] = [
     -1,
 ]
 TAKEN: dict[str, list[Any]] = {  # what is no mistake
-    "demo_bot": [None],
+    "demo": [None],
     "gain_limit": [3.5],
     "alpha": [3.5],
     "priority": [3.5],
@@ -101,7 +101,7 @@ def test_a_route_setting_of_a_wrong_kind_is_refused_in_words(name: str) -> None:
         {"decision_ticks": np.int64(75), "spots": np.int32(3)},
         {"warm_start": np.float32(0.5), "fog": np.bool_(True), "privileged_state": np.bool_(False)},
         {"scenario": Game("plain").world.scenario, "side": np.str_("blue")},
-        {"demo_bot": "MA1", "demo_share": 1},
+        {"demo": "MA1", "demo_share": 1},
     ],
 )
 def test_settings_come_in_numpys_types_too(setting: dict[str, Any]) -> None:
@@ -141,8 +141,8 @@ def test_a_render_mode_that_is_none_is_refused(env_id: str, wrong: Any) -> None:
 
 
 def test_a_demo_player_that_is_no_bot_is_refused() -> None:
-    with pytest.raises(ConfigError, match="demo_bot is a bot, which runs in the drive loop; got 'HRL0'"):
-        make_vec_env(demo_bot="HRL0", demo_share=0.5)
+    with pytest.raises(ConfigError, match=r"demo is a bot, which runs .* or a folder of them; got 'HRL0'"):
+        make_vec_env(demo="HRL0", demo_share=0.5)
 
 
 @pytest.mark.parametrize("env_id", ENVS)

@@ -20,7 +20,7 @@ from hexwar_sb3.maps.scenario import PieceStart, Scenario
 from hexwar_sb3.rules.enums import PieceType
 
 PROGRAM = Path(__file__).with_name("broken_snapshots.py")
-KINDS = ("red", "blue", "both", "route", "flat")
+KINDS = ("red", "blue", "both", "recorded", "route", "flat")
 TASK, ROUTE, FLAT = "HexWarTask-v0", "HexWarRoute-v0", "HexWarFlat-v0"
 
 
@@ -99,7 +99,7 @@ def test_every_true_snapshot_goes_on_to_the_bit(name: str, options: dict[str, An
         (TASK, {"side": "blue", "opponent": "HRL0", "decisions": "event", "decision_ticks": 20}, 200),
         (
             TASK,
-            {"demo_bot": "MA1", "demo_share": 0.5, "warm_start": 0.7, "fog": False, "dtype": "float16"},
+            {"demo": "MA1", "demo_share": 0.5, "warm_start": 0.7, "fog": False, "dtype": "float16"},
             80,
         ),
         (ROUTE, {"opponent": ["MA1", "random", "HRL0"], "decisions": "event", "n_envs": 3}, 400),

@@ -174,8 +174,8 @@ def test_a_restored_env_goes_on_as_before(pick: Pick) -> None:
 
 def test_a_demo_bot_plays_the_learners_seat_and_its_tasks_are_told() -> None:
     """The tasks it names are valid, and the learner's own actions change nothing."""
-    one = vec_env(1, demo_bot="nearest", demo_share=1.0, opponent="random")
-    other = vec_env(1, demo_bot="nearest", demo_share=1.0, opponent="random")
+    one = vec_env(1, demo="nearest", demo_share=1.0, opponent="random")
+    other = vec_env(1, demo="nearest", demo_share=1.0, opponent="random")
     obs, _ = cast("dict[str, NDArray[Any]]", one.reset()), other.reset()
     zeros, moved = np.zeros(obs["action_mask"].shape[:2], np.int64), False
     for _ in range(4):
