@@ -144,7 +144,14 @@ def test_a_place_in_the_built_page_that_data_could_name_is_filled_once() -> None
 def test_the_pages_are_built_of_the_sources_that_are_here() -> None:
     """`make viewer` builds them anew. Needs no Node."""
     viewer = ROOT / "viewer"
-    names = ["index.html", "play.html", "package.json", "package-lock.json", "tsconfig.json", "vite.config.ts"]
+    names = [
+        "index.html",
+        "play.html",
+        "package.json",
+        "package-lock.json",
+        "tsconfig.json",
+        "vite.config.ts",
+    ]
     names += [path.relative_to(viewer).as_posix() for path in (viewer / "src").rglob("*") if path.is_file()]
     digest = hashlib.sha256()
     for name in sorted(names):
