@@ -54,6 +54,7 @@ CONTENTS = """
 :caption: Guide
 :glob:
 
+docs/play
 docs/rules
 docs/players
 docs/recipes

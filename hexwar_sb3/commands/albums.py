@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from hexwar_sb3.commands.run_folder import RunFolder
+from hexwar_sb3.engine.replay_file import replays_in
 from hexwar_sb3.errors import ConfigError, HexWarError
 from hexwar_sb3.evaluation.history import History
 from hexwar_sb3.evaluation.played import read_matches, table_of_rates
@@ -46,7 +47,7 @@ def album_of(places: Sequence[Path], view: str = "all") -> Album:
     elif (folder / "snapshots").is_dir() or (folder / "replays").is_dir():
         found = run_album(folder)
     else:
-        paths = sorted(folder.glob("*.hwr"))
+        paths = [path for path in replays_in(folder) if path.parent == folder]
         found = Album(title=folder.resolve().name, clips=clips_of(paths))
     if not found.clips and "tables" not in found.cover:
         raise ConfigError(f"{folder}: no recorded games; expected a run, a tournament, a league, or *.hwr")

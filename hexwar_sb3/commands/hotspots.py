@@ -109,11 +109,10 @@ class Hotspots:
                 yield record_game(red, blue, Terms(scenario=self.scenario), seed, episode=episode)
 
     def _paths(self) -> Iterator[Path]:
+        from hexwar_sb3.engine.replay_file import replays_of
+
         for path in self.files:
-            found = sorted(path.rglob("*.hwr")) if path.is_dir() else [path]
-            if not found:
-                raise ConfigError(f"{path} holds no replay (*.hwr)")
-            yield from found
+            yield from replays_of(path)
 
     def _source(self, count: VisitCount) -> str:
         """Whose games were counted, and the command that counts them again."""

@@ -160,9 +160,9 @@ class Play:
 
 def _free_name(folder: Path) -> str:
     """The first of game_1, game_2, ... that is no file yet."""
-    from hexwar_sb3.server.partial import SUFFIX
+    from hexwar_sb3.engine.replay_file import SUFFIX
 
-    taken = {path.name.partition(".")[0] for end in (SUFFIX, ".hwr") for path in folder.glob(f"*{end}")}
+    taken = {path.name.partition(".")[0] for path in folder.glob(f"*{SUFFIX}")}
     for number in range(1, MOST_GAMES):
         if f"game_{number}" not in taken:
             return f"game_{number}"

@@ -146,11 +146,13 @@ def _count(chunk: _Chunk) -> PlayStats:
 
 def _replays(what: str) -> Iterator[Path]:
     """A replay, or those of a folder; the folder of a run or of a policy is a player."""
+    from hexwar_sb3.engine.replay_file import SUFFIX, replays_in
+
     path = Path(what)
-    if path.suffix == ".hwr":
+    if path.suffix == SUFFIX:
         yield path
     elif path.is_dir() and not any((one / POLICY_FILE).is_file() for one in (path, path / "policy")):
-        yield from sorted(path.rglob("*.hwr"))
+        yield from replays_in(path)
 
 
 def _shared_name(replays: Sequence[Replay]) -> str:

@@ -14,11 +14,14 @@ from typing import Any, NoReturn, TypeAlias
 
 import zstandard
 
-from hexwar_sb3.errors import ReplayFileError
+from hexwar_sb3.errors import ConfigError, ReplayFileError
 from hexwar_sb3.files import replacing
 from hexwar_sb3.reading import parse_json, read_bytes
 
 Line: TypeAlias = dict[str, Any]
+
+SUFFIX = ".hwr"
+UNDER_WAY = f".partial{SUFFIX}"  # a game that a person plays, which is no replay yet (formats/play.md)
 
 MAX_FILE_BYTES = 4_000_000  # a whole game has about 40,000
 MAX_TEXT_BYTES = 1 << 24  # after decompression; a whole game has about 100,000, and the longest some millions
@@ -27,6 +30,23 @@ MAX_LINE_BYTES = 1 << 20  # the head of the largest map has about 60,000
 _CHUNK_BYTES = 256  # packed; a bomb unpacks to at most some megabytes a chunk
 _LEVEL = 19  # of compression: written once, read often
 _MAGIC = b"\x28\xb5\x2f\xfd"
+
+
+def replays_in(folder: Path) -> list[Path]:
+    """The replays of a folder and of those in it, in the order of their names, without games under way."""
+    return sorted(path for path in folder.rglob(f"*{SUFFIX}") if not path.name.endswith(UNDER_WAY))
+
+
+def replays_of(path: Path) -> list[Path]:
+    """A replay, or those of a folder.
+
+    Raises:
+        ConfigError: there is none in the folder.
+    """
+    found = replays_in(path) if path.is_dir() else [path]
+    if not found:
+        raise ConfigError(f"{path} holds no replay (*{SUFFIX})")
+    return found
 
 
 def write_lines(path: Path, lines: Sequence[Line]) -> None:

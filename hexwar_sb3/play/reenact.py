@@ -17,7 +17,7 @@ from hexwar_sb3.engine.replay import Replay
 from hexwar_sb3.engine.replay_file import fail
 from hexwar_sb3.engine.roster import SIDES, Roster, camp_name, parse_camp
 from hexwar_sb3.engine.world import World
-from hexwar_sb3.errors import ConfigError, HexWarError
+from hexwar_sb3.errors import HexWarError
 from hexwar_sb3.kernels import Rows
 from hexwar_sb3.maps.document import shown
 from hexwar_sb3.play.arena import Arena
@@ -27,20 +27,6 @@ from hexwar_sb3.players.player import BotPlayer, bot_player
 from hexwar_sb3.players.terms import Terms
 from hexwar_sb3.rules.enums import Action, Camp
 from hexwar_sb3.rules.indices import PieceIndex
-
-SUFFIX = ".hwr"
-
-
-def files_of(path: Path) -> list[Path]:
-    """A replay file, or all of a folder, in the order of their names.
-
-    Raises:
-        ConfigError: there is none in the folder.
-    """
-    found = sorted(path.rglob(f"*{SUFFIX}")) if path.is_dir() else [path]
-    if not found:
-        raise ConfigError(f"{path} holds no replay (*{SUFFIX})")
-    return found
 
 
 def read_recorded(path: Path, world: World) -> RecordedGame:

@@ -12,12 +12,13 @@ from numpy.typing import NDArray
 
 from hexwar_sb3.bots.registry import BOTS, is_bot
 from hexwar_sb3.engine.fields import check_all, check_form, check_range, refuse
+from hexwar_sb3.engine.replay_file import SUFFIX, replays_of
 from hexwar_sb3.engine.roster import SIDES, camp_name
 from hexwar_sb3.engine.world import World
 from hexwar_sb3.errors import ConfigError, UnknownNameError, shortened
 from hexwar_sb3.play.recorded import RecordedGame
 from hexwar_sb3.play.records import EXTERNAL
-from hexwar_sb3.play.reenact import SUFFIX, files_of, read_recorded
+from hexwar_sb3.play.reenact import read_recorded
 from hexwar_sb3.players.player import POLICIES, BotPlayer, Seat, make_player, with_weight
 from hexwar_sb3.rules.enums import Camp
 
@@ -185,7 +186,7 @@ def _shows(show: Show, camp: Camp) -> bool:
 
 def _shows_of(one: object, world: World) -> list[Show]:
     if is_replays(one):
-        return [read_recorded(path, world) for path in files_of(Path(str(one)))]
+        return [read_recorded(path, world) for path in replays_of(Path(str(one)))]
     if isinstance(one, str) and not is_bot(one) and one not in POLICIES:
         raise UnknownNameError("bot, replay or folder", one, BOTS)
     player = make_player(one) if isinstance(one, str | BotPlayer) else None

@@ -19,7 +19,6 @@ from hexwar_sb3.kinds import read_fields
 from hexwar_sb3.maps.document import shown
 from hexwar_sb3.reading import parse_json, read_bytes
 
-SUFFIX = ".partial.hwr"
 FORMAT = "hexwar-partial"
 FORMAT_VERSION = 1
 MOST_BYTES = 1 << 26  # a game has some hundred thousand

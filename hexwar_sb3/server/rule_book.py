@@ -1,4 +1,4 @@
-"""The rule book as a page that needs nothing else: docs/rules.md, as much of Markdown as it uses.
+"""The rule book as a page that needs nothing else.
 
 `make docs` writes `built/rules.html` with it, so that an installed program has the rule book, too.
 """
@@ -6,10 +6,14 @@
 from __future__ import annotations
 
 import html
+import itertools
 import re
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
+
+from markdown_it import MarkdownIt
+from markdown_it.token import Token
 
 BUILT = Path(__file__).parent / "built" / "rules.html"
 _STYLE = """
@@ -35,79 +39,47 @@ _PAGE = """<!doctype html>
 </body>
 </html>
 """
-_INLINE = (
-    (re.compile(r"`([^`]+)`"), r"<code>\1</code>"),
-    (re.compile(r"\*\*([^*]+)\*\*"), r"<strong>\1</strong>"),
-    (re.compile(r"(?<![\w*])\*([^*\s][^*]*)\*(?![\w*])"), r"<em>\1</em>"),
-    (re.compile(r"\[([^\]]+)\]\([^)]+\)"), r"\1"),  # pages that are not served
-)
 
 
 def rule_book(markdown: str) -> str:
-    """The page of a rule book."""
-    blocks = list(_blocks(markdown))
-    title = next(block[2:] for block in blocks if block.startswith("# "))
-    parts = [_rendered(block) for block in blocks]
-    parts.insert(1, _contents(blocks))
-    return _PAGE.format(title=html.escape(title), style=_STYLE, body="\n".join(parts))
+    """The page of a rule book; links are texts, as nothing else is served."""
+    reader = MarkdownIt("commonmark", {"html": True}).enable("table")
+    tokens = list(_shown(reader.parse(markdown)))
+    headings = [
+        (token.tag, text.content)
+        for token, text in itertools.pairwise(tokens)
+        if token.type == "heading_open"
+    ]
+    title, chapters = headings[0][1], [text for tag, text in headings if tag == "h2"]
+    first = next(k for k, token in enumerate(tokens) if token.type == "heading_close") + 1
+    parts = [reader.renderer.render(some, reader.options, {}) for some in (tokens[:first], tokens[first:])]
+    body = _contents(chapters).join(parts)
+    return _PAGE.format(title=html.escape(title), style=_STYLE, body=_wide(body))
 
 
-def _blocks(markdown: str) -> Iterator[str]:
-    """Pieces of text between empty lines; a heading and what is fenced is one of its own, comments are none."""
-    text = re.sub(r"^<!--.*?-->$", "", markdown, flags=re.MULTILINE)
-    for part in re.split(r"(^```.*?^```$)", text, flags=re.MULTILINE | re.DOTALL):
-        if part.startswith("```"):
-            yield part
-        else:
-            yield from (block.strip("\n") for block in re.split(r"\n\s*\n", part) if block.strip())
+def _shown(tokens: Sequence[Token]) -> Iterator[Token]:
+    """What is shown: no comments and no links; headings can be linked to."""
+    for token, text in zip(tokens, [*tokens[1:], None], strict=True):
+        if token.type == "heading_open" and text is not None:
+            token.attrSet("id", _anchor(text.content))
+        if token.children:
+            token.children = [one for one in token.children if not one.type.startswith("link_")]
+        if token.type != "html_block":
+            yield token
 
 
-def _rendered(block: str) -> str:
-    if block.startswith("#"):
-        return _heading(block)
-    if block.startswith("```"):
-        code = "\n".join(block.splitlines()[1:-1])
-        return f'<div class="wide"><pre>{html.escape(code)}</pre></div>'
-    if block.startswith("|"):
-        return _table(block)
-    for mark, name in ((r"\* ", "ul"), (r"\d+\. ", "ol")):
-        if re.match(mark, block):
-            items = re.split(rf"^{mark}", block, flags=re.MULTILINE)[1:]
-            return f"<{name}>" + "".join(f"<li>{_inline(item)}</li>" for item in items) + f"</{name}>"
-    return f"<p>{_inline(block)}</p>"
-
-
-def _heading(block: str) -> str:
-    marks, _, text = block.partition(" ")
-    return f'<h{len(marks)} id="{_anchor(text)}">{_inline(text)}</h{len(marks)}>'
+def _wide(body: str) -> str:
+    """Tables of any kind scroll by themselves on a narrow screen."""
+    return re.sub(r"<(table|pre)>.*?</\1>", r'<div class="wide">\g<0></div>', body, flags=re.DOTALL)
 
 
 def _anchor(heading: str) -> str:
     return re.sub(r"\W+", "-", heading.lower()).strip("-")
 
 
-def _contents(blocks: list[str]) -> str:
-    names = [block[3:] for block in blocks if block.startswith("## ")]
-    links = (f'<li><a href="#{_anchor(name)}">{_inline(name)}</a></li>' for name in names)
+def _contents(chapters: Sequence[str]) -> str:
+    links = (f'<li><a href="#{_anchor(name)}">{html.escape(name)}</a></li>' for name in chapters)
     return f"<nav><ol>{''.join(links)}</ol></nav>"
-
-
-def _table(block: str) -> str:
-    head, _, *rows = block.splitlines()
-    body = "".join(_row(row, "td") for row in rows)
-    return f'<div class="wide"><table><thead>{_row(head, "th")}</thead><tbody>{body}</tbody></table></div>'
-
-
-def _row(line: str, cell: str) -> str:
-    texts = line.strip().strip("|").split("|")
-    return "<tr>" + "".join(f"<{cell}>{_inline(text.strip())}</{cell}>" for text in texts) + "</tr>"
-
-
-def _inline(text: str) -> str:
-    shown = html.escape(" ".join(text.split()), quote=False)
-    for mark, tag in _INLINE:
-        shown = mark.sub(tag, shown)
-    return shown
 
 
 if __name__ == "__main__":

@@ -12,6 +12,7 @@ from typing import Any, Literal
 
 from hexwar_sb3.engine.orders import Order
 from hexwar_sb3.engine.replay import PlayerName, Replay
+from hexwar_sb3.engine.replay_file import SUFFIX, UNDER_WAY
 from hexwar_sb3.engine.roster import camp_name, enemy_of
 from hexwar_sb3.errors import ConfigError, HexWarError, OrderError, ReplayFileError
 from hexwar_sb3.maps.files import scenario_from_document
@@ -41,7 +42,7 @@ from hexwar_sb3.server.messages import (
     StepTo,
     Undo,
 )
-from hexwar_sb3.server.partial import SUFFIX, ClockLine, Head, HintLine, Line, OrdersLine, Partial
+from hexwar_sb3.server.partial import ClockLine, Head, HintLine, Line, OrdersLine, Partial
 from hexwar_sb3.server.seat import PersonSeat, Refused
 from hexwar_sb3.server.stops import Stops, Watcher
 from hexwar_sb3.viewer.camp_story import CampTeller
@@ -50,7 +51,6 @@ from hexwar_sb3.viewer.story import NAME_CHARACTERS, common_part
 
 PERSON = "person"  # name of the one who plays
 COMMANDS, READS = "commands", "reads along"
-SUFFIX_WHOLE = ".hwr"
 Json = dict[str, Any]
 
 
@@ -313,7 +313,7 @@ class Session:
     @property
     def file(self) -> File:
         """Where the whole replay is written."""
-        return self.setup.folder / f"{self.setup.name}{SUFFIX_WHOLE}"
+        return self.setup.folder / f"{self.setup.name}{SUFFIX}"
 
     def _players(self) -> dict[str, Json]:
         told = {self.camp: PlayerName(name=PERSON), camp_name(enemy_of(self.game.side)): self.opponent}
@@ -425,7 +425,7 @@ def new_session(setup: Setup) -> Session:
     session = Session(setup)
     if session.file.exists():
         raise ConfigError(f"{session.file} is there already; name another game")
-    session.record = Partial.begin(setup.folder / f"{setup.name}{SUFFIX}", session.head())
+    session.record = Partial.begin(setup.folder / f"{setup.name}{UNDER_WAY}", session.head())
     return session
 
 
@@ -441,12 +441,12 @@ def resumed_session(path: File, ladder: Ladder | None = None) -> Session:
         ReplayFileError: it is none, or the rules or the opponent are others now.
         BusyError: another process plays it.
     """
-    if not path.name.endswith(SUFFIX):
-        raise ConfigError(f"{path}: expected a file *{SUFFIX}, as `hexwar play` keeps them")
+    if not path.name.endswith(UNDER_WAY):
+        raise ConfigError(f"{path}: expected a file *{UNDER_WAY}, as `hexwar play` keeps them")
     record, head, lines = Partial.go_on(path)
     try:
         scenario = scenario_from_document(head.scenario, str(path))
-        name = path.name.removesuffix(SUFFIX)
+        name = path.name.removesuffix(UNDER_WAY)
         given = {key: getattr(head, key) for key in ("opponent", "seed", "hints")}
         given |= {"scenario": scenario, "side": head.camp, "name": name, "folder": path.parent}
         setup = Setup(ladder=ladder, **given)

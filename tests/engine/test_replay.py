@@ -14,8 +14,8 @@ from hexwar_sb3.engine.game import Game
 from hexwar_sb3.engine.orders import Decompress, Hide, IndirectShoot, Move, Order, Shoot
 from hexwar_sb3.engine.record import state_hash
 from hexwar_sb3.engine.replay import PlayerName, Replay
-from hexwar_sb3.engine.replay_file import MAX_TEXT_BYTES
-from hexwar_sb3.errors import ReplayFileError
+from hexwar_sb3.engine.replay_file import MAX_TEXT_BYTES, replays_of
+from hexwar_sb3.errors import ConfigError, ReplayFileError
 from hexwar_sb3.rules import default_rules
 
 Lines = list[dict[str, Any]]
@@ -342,3 +342,15 @@ def test_a_save_that_fails_leaves_the_old_file(
         Replay.of(game).save(path)
     assert path.read_bytes() == before
     assert [file.name for file in path.parent.iterdir()] == [path.name]
+
+
+def test_the_replays_of_a_folder_come_by_name_without_games_under_way(tmp_path: Path) -> None:
+    for name in ("b.hwr", "a/c.hwr", "a/d.txt", "a/e.partial.hwr"):
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).touch()
+
+    assert replays_of(tmp_path) == [tmp_path / "a" / "c.hwr", tmp_path / "b.hwr"]
+    assert replays_of(tmp_path / "b.hwr") == [tmp_path / "b.hwr"]
+    (tmp_path / "empty").mkdir()
+    with pytest.raises(ConfigError, match=r"empty holds no replay \(\*\.hwr\)"):
+        replays_of(tmp_path / "empty")

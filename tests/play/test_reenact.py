@@ -14,14 +14,14 @@ from hexwar_sb3.engine.game import Game
 from hexwar_sb3.engine.record import state_hash
 from hexwar_sb3.engine.replay import PlayerName, Replay
 from hexwar_sb3.engine.world import World, load_world
-from hexwar_sb3.errors import ConfigError, ReplayFileError
+from hexwar_sb3.errors import ReplayFileError
 from hexwar_sb3.maps.files import load_scenario
 from hexwar_sb3.play.arena import Arena
 from hexwar_sb3.play.game import Game as GameWithOpponent
 from hexwar_sb3.play.hindsight import Decided, Hindsight
 from hexwar_sb3.play.recorded import RecordedGame, nearest_tasks
 from hexwar_sb3.play.recording import record_game
-from hexwar_sb3.play.reenact import files_of, read_recorded
+from hexwar_sb3.play.reenact import read_recorded
 from hexwar_sb3.play.sight import Sight
 from hexwar_sb3.players.terms import Terms
 from hexwar_sb3.rules.enums import Camp
@@ -272,15 +272,3 @@ def test_a_decision_that_is_no_task_is_refused(
 
     with pytest.raises(ReplayFileError, match=r'line \d+, decision: found "hold".*; expected a task'):
         read(changed_replay(replay, change), world, tmp_path)
-
-
-def test_the_files_of_a_folder_come_by_name(tmp_path: Path) -> None:
-    for name in ("b.hwr", "a/c.hwr", "a/d.txt"):
-        (tmp_path / name).parent.mkdir(exist_ok=True)
-        (tmp_path / name).touch()
-
-    assert files_of(tmp_path) == [tmp_path / "a" / "c.hwr", tmp_path / "b.hwr"]
-    assert files_of(tmp_path / "b.hwr") == [tmp_path / "b.hwr"]
-    (tmp_path / "empty").mkdir()
-    with pytest.raises(ConfigError, match=r"empty holds no replay \(\*\.hwr\)"):
-        files_of(tmp_path / "empty")

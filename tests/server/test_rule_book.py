@@ -41,12 +41,13 @@ def test_it_asks_nobody() -> None:
 @pytest.mark.parametrize(
     ("markdown", "part"),
     [
-        ("a < b & *c* and `d*e*f`", "<p>a &lt; b &amp; <em>c</em> and <code>d*e*f</code></p>"),
-        ("1. one\n   more\n2. two", "<ol><li>one more</li><li>two</li></ol>"),
-        ("| a | b |\n|---|---|\n| 1 | 2 |", "<tr><td>1</td><td>2</td></tr>"),
-        ("```text\na  <b\n\nc\n```", "<pre>a  &lt;b\n\nc</pre>"),
-        ("[x](elsewhere)", "<p>x</p>"),
+        ("[x](elsewhere) and [`y`](elsewhere#part)", "<p>x and <code>y</code></p>"),
+        ("| a | b |\n|---|---|\n| 1 | 2 |", '<div class="wide"><table>'),
+        ("```text\na  <b\n\nc\n```", '<div class="wide"><pre>'),
+        ("## 2 Two < three", '<li><a href="#2-two-three">2 Two &lt; three</a></li>'),
+        ("## 2 Two < three", '<h2 id="2-two-three">2 Two &lt; three</h2>'),
+        ("<!-- table: hops -->\n\ntext", "</nav><p>text</p>"),
     ],
 )
-def test_markdown_as_far_as_the_rule_book_uses_it(markdown: str, part: str) -> None:
-    assert part in rule_book(f"# Title\n\n{markdown}\n")
+def test_links_are_texts_tables_scroll_and_headings_can_be_linked_to(markdown: str, part: str) -> None:
+    assert part in re.sub(r"\n+", "\n", rule_book(f"# Title\n\n{markdown}\n"))
