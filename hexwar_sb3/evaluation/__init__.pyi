@@ -1,6 +1,4 @@
-from .elo import Against as Against
 from .elo import elo_ratings as elo_ratings
-from .elo import rate_player as rate_player
 from .history import History as History
 from .intervals import Estimate as Estimate
 from .intervals import mean_interval as mean_interval

@@ -2,22 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from math import isfinite, log, sqrt
+from math import log
 
 import numpy as np
 from numpy.typing import NDArray
 
-from hexwar_sb3.checks import check_number, check_whole
-from hexwar_sb3.errors import ConfigError
 from hexwar_sb3.evaluation.intervals import CONFIDENCE, Estimate, normal_quantile
 
 MEAN = 1500.0  # of all ratings
 PER_LOGIT = 400.0 / log(10.0)  # ten times the odds are 400 points
 PRIOR_GAMES = 2.0  # a won and a lost game of each player against the mean: keeps the unbeaten finite
-STEPS, ENOUGH = 100, 1e-9  # of Newton's method, or halvings of an interval; change of a logit
-MOST_ELO = 1e4  # either way, of a player whose rating is known
+STEPS, ENOUGH = 100, 1e-9  # of Newton's method; change of a logit
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -69,69 +66,6 @@ def elo_ratings(pairings: Sequence[Pairing]) -> Ratings:
         for name, one in zip(names, shown, strict=False)
     }
     return Ratings(players, dict(zip(maps, shown[len(names) :], strict=True)))
-
-
-@dataclass(frozen=True, kw_only=True)
-class Against:
-    """How a player did against one whose rating is known.
-
-    Raises:
-        ConfigError: a value is out of its range.
-    """
-
-    elo: float  # of the other one, in points; what the seats are worth may be added to it
-    games: int = 1
-    score: float = 0.0  # games won, and half of the drawn ones
-
-    def __post_init__(self) -> None:
-        check_whole("games", self.games, least=1)
-        if not abs(check_number("elo", self.elo)) <= MOST_ELO:
-            raise ConfigError(f"elo must be a number of at most {MOST_ELO:.0f} either way, got {self.elo!r}")
-        score = check_number("score", self.score)
-        if not (isfinite(score) and 0.0 <= score <= self.games):
-            raise ConfigError(f"score must be in 0..{self.games}, the games, got {self.score!r}")
-
-
-def rate_player(results: Sequence[Against]) -> Estimate:
-    """Rate one player by its results against players whose ratings are known.
-
-    The rating of greatest likelihood under the prior of `elo_ratings`, PRIOR_GAMES games at a score of one half against
-    the mean: without a game it is the mean, and who always won has a finite one. The interval is that of the fit, at
-    95 %; what is uncertain of the others' ratings is not in it.
-
-    Args:
-        results: in any order; one opponent may come several times.
-
-    Example:
-        >>> print(rate_player([Against(elo=1700, games=20, score=10), Against(elo=1500, games=10, score=8)]))
-        1697.18 [1570.36, 1823.99]
-    """
-    met: list[tuple[float, float, float]] = [
-        ((one.elo - MEAN) / PER_LOGIT, one.games, one.score) for one in results
-    ]
-    met.append((0.0, PRIOR_GAMES, PRIOR_GAMES / 2))
-    others, games, scores = np.array(met, np.float64).T
-
-    def slope(own: float) -> float:
-        return float((scores - games * _sigmoid(own - others)).sum())
-
-    logit = _root(slope, float(others.min()), float(others.max()))
-    expected = _sigmoid(logit - others)
-    half = normal_quantile(CONFIDENCE) * PER_LOGIT / sqrt(float((games * expected * (1 - expected)).sum()))
-    elo = MEAN + logit * PER_LOGIT
-    return Estimate(elo, elo - half, elo + half)
-
-
-def _root(falling: Callable[[float], float], low: float, high: float) -> float:
-    """Where a falling function is zero, by halving; first the interval is widened until it is in there."""
-    while falling(low) < 0.0:
-        low -= 1.0
-    while falling(high) > 0.0:
-        high += 1.0
-    for _ in range(STEPS):
-        middle = (low + high) / 2
-        low, high = (middle, high) if falling(middle) > 0.0 else (low, middle)
-    return (low + high) / 2
 
 
 def _fit(

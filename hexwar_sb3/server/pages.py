@@ -8,12 +8,7 @@ import re
 from collections.abc import Iterable
 from functools import lru_cache
 from importlib.resources import files
-from importlib.resources.abc import Traversable
 
-STUB = """<!doctype html>
-<html lang="en"><head><meta charset="utf-8"><title>hexwar play</title></head>
-<body><p>This installation lacks the page of hexwar play (viewer/built/play.html).</p></body></html>
-"""
 _SCRIPT = re.compile(r"<script(?![^>]*type=\"text/plain\")[^>]*>(.*?)</script>", re.DOTALL)
 _STYLE = re.compile(r"<style[^>]*>(.*?)</style>", re.DOTALL)
 _HEADERS = {
@@ -28,8 +23,7 @@ _HEADERS = {
 @lru_cache(maxsize=1)
 def play_page() -> str:
     """The page of a game that is played."""
-    page: Traversable = files("hexwar_sb3.viewer") / "built" / "play.html"
-    return page.read_text(encoding="utf-8") if page.is_file() else STUB
+    return (files("hexwar_sb3.viewer") / "built" / "play.html").read_text(encoding="utf-8")
 
 
 @lru_cache(maxsize=1)
