@@ -7,6 +7,7 @@ import os
 import random
 import shutil
 import subprocess
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -14,21 +15,28 @@ import pytest
 
 from hexwar_sb3.engine.game import Game
 from hexwar_sb3.engine.replay import Replay
-from hexwar_sb3.viewer.album import Album, Clip
 from hexwar_sb3.viewer.page import save_page
 from hexwar_sb3.viewer.story import CAMPS, VIEWS
+from tests.viewer.conftest import PARTED_AT
 
 VIEWER = Path(__file__).parents[2] / "viewer"
 CHROMIUM = os.environ.get("CHROMIUM") or shutil.which("chromium") or shutil.which("chromium-browser")
 NODE = shutil.which("node")
-PARTED_AT = 150  # tick
 
-pytestmark = [
+_NEEDED = [
     pytest.mark.browser,
     pytest.mark.skipif(CHROMIUM is None, reason="there is no chromium: apt-get install chromium"),
     pytest.mark.skipif(NODE is None, reason="there is no node"),
     pytest.mark.skipif(not (VIEWER / "node_modules").is_dir(), reason="run `make viewer` first"),
 ]
+pytestmark = _NEEDED
+
+
+def in_a_browser(test: Callable[..., None]) -> Callable[..., None]:
+    """A test that needs Node and Chromium; where one of them is missing it is skipped, and says which."""
+    for mark in _NEEDED:
+        test = mark(test)
+    return test
 
 
 def truth(replay: Replay, count: int, seed: int = 0) -> dict[str, Any]:
@@ -115,26 +123,10 @@ def test_a_page_that_draws_something_else_is_found(replay: Replay, tmp_path: Pat
     assert "referee, tick 0, margin" in result.stderr
 
 
-def test_pages_of_many_games_lead_to_their_games(replay: Replay, tmp_path: Path) -> None:
+def test_pages_of_many_games_lead_to_their_games(replay: Replay, pages: dict[str, Path]) -> None:
     """An album, two games side by side with the tick at which they part, and the heat map of a round robin."""
-    other = parted(replay)
-    for name, game in (("a", replay), ("b", other)):
-        game.save(tmp_path / f"{name}.hwr")
-    clips = [Clip(path=tmp_path / f"{name}.hwr", name=name) for name in ("a", "b")]
-    rate = [0.5, 0.4, 0.6]
-    curve = {"games": 9, "rows": [[0, 1, rate, [-3.0, -4.0, -2.0]], [500, 2, rate, [5.0, 4.0, 6.0]]]}
-    cells = [[{"rate": rate, "games": 9, "game": 2, "episode": 4, "seed": 0}, None]]
-    table = {"name": "plain", "red": ["a"], "blue": ["b", "c"], "cells": cells}
-    covers: dict[str, Any] = {
-        "album": {"kind": "album", "curve": curve},
-        "compare": {"kind": "compare"},
-        "league": {"kind": "league", "tables": [table]},
-    }
-    for kind, cover in covers.items():
-        Album(title=kind, clips=clips, cover=cover).save(tmp_path / f"{kind}.html")
-
     result = subprocess.run(
-        ["node", "e2e/many.mjs", *(str(tmp_path / f"{kind}.html") for kind in covers)],
+        ["node", "e2e/many.mjs", *(str(pages[kind]) for kind in ("album", "compare", "league"))],
         cwd=VIEWER,
         env={**os.environ, "CHROMIUM": str(CHROMIUM), "PARTING": str(first_orders(replay))},
         capture_output=True,
@@ -144,13 +136,6 @@ def test_pages_of_many_games_lead_to_their_games(replay: Replay, tmp_path: Path)
     )
 
     assert result.returncode == 0, result.stderr
-
-
-def parted(replay: Replay) -> Replay:
-    """The same game until a tick, from which on nobody gives orders."""
-    game = replay.game_at(PARTED_AT)
-    game.advance(300)
-    return Replay.of(game)
 
 
 def first_orders(replay: Replay) -> int:

@@ -1,5 +1,5 @@
 // Pages of many games in a real Chromium, offline: node e2e/many.mjs ALBUM COMPARE LEAGUE
-// The album's first point opens its first game; two of its games are put side by side; a cell of the league opens its game.
+// The album's first point opens its first game; two of its games are put side by side, also on a phone; a cell of the league opens its game, two of them are compared.
 // PARTING is the tick at which the two games of COMPARE part; CHROMIUM names the browser; SHOTS a folder that gets pictures.
 
 import { execSync } from "node:child_process";
@@ -102,6 +102,54 @@ async function lookAtLeague(browser) {
   await cell.click();
   await shown(page, "app");
   check((await address(page)).startsWith(`#game=${number}`), `a cell of game ${number} opened ${await address(page)}`);
+  await page.click("#all");
+  await shown(page, "cover");
+  await compareCells(page);
+  await page.context().close();
+}
+
+/** Two cells are picked, then put side by side; a third cannot be picked. */
+async function compareCells(page) {
+  const cells = page.locator("button.rate");
+  const numbers = await Promise.all([0, 1].map((k) => cells.nth(k).getAttribute("data-game")));
+  await page.click("#pick-two");
+  check(await page.locator("#compare").isDisabled(), "nothing is picked, and can be compared");
+  await cells.nth(0).click();
+  check((await cells.nth(0).getAttribute("aria-pressed")) === "true", "a cell that is picked does not say so");
+  check(await page.locator("#compare").isDisabled(), "one game can be compared with none");
+  await cells.nth(0).click();
+  check((await cells.nth(0).getAttribute("aria-pressed")) === "false", "a cell that was picked cannot be let go");
+  for (const k of [0, 1]) await cells.nth(k).click();
+  await readable(page, "league, two picked");
+  await page.click("#compare");
+  await shown(page, "app");
+  check((await address(page)).startsWith(`#game=${numbers[0]}&with=${numbers[1]}`), `cells of games ${numbers} opened ${await address(page)}`);
+  await page.click("#all");
+  await page.click("#pick-two");
+  await cells.nth(1).click();
+  await shown(page, "app");
+  check((await address(page)).startsWith(`#game=${numbers[1]}`) && !(await address(page)).includes("with="), "a cell no longer opens its game");
+}
+
+/** Two games on a phone: the panel takes the place of the map of the other game, and gives it back. */
+async function lookAtPairByThumb(browser) {
+  const page = await open(browser, compare, { width: 390, height: 844 });
+  const maps = () => page.evaluate(() => ["stage", "stage-2"].map((id) => document.getElementById(id).clientHeight > 100));
+  const panel = page.locator("#panel");
+  check(String(await maps()) === "true,true" && !(await panel.isVisible()), "a phone does not begin with both maps");
+  await page.click("#tab-pieces");
+  check(await panel.locator("#row-0").isVisible(), "the pieces cannot be reached");
+  check(String(await maps()) === "true,false", "beside the panel the map of its game is shown");
+  await readable(page, "compare, by thumb");
+  await page.click("#pick-1");
+  check(String(await maps()) === "false,true" && (await panel.isVisible()), "the panel of the other game cannot be reached");
+  for (const tab of ["log", "policy"]) {
+    await page.click(`#tab-${tab}`);
+    check(await panel.isVisible(), `the ${tab} cannot be reached`);
+  }
+  check((await page.getAttribute("#fold", "aria-expanded")) === "true", "the button does not say that the panel is open");
+  await page.click("#fold");
+  check(String(await maps()) === "true,true" && !(await panel.isVisible()), "both maps do not come back");
   await page.context().close();
 }
 
@@ -109,6 +157,7 @@ const browser = await chromium.launch({ executablePath, args: ["--no-sandbox"] }
 try {
   await lookAtAlbum(browser);
   await lookAtPair(browser);
+  await lookAtPairByThumb(browser);
   await lookAtLeague(browser);
   if (shots) {
     for (const [name, file, size, scheme] of [["album-phone", album, [390, 844], "light"], ["album-dark", album, [1400, 900], "dark"], ["league-dark", league, [1400, 900], "dark"], ["compare-phone", compare, [390, 844], "light"]]) {

@@ -36,7 +36,8 @@ function buildScore(page: Page): void {
     const { name, kind } = story.players[camp];
     const who = make("span", { class: "who" }, make("bdi", { class: "name", title: name }, name), make("span", { class: "kind" }, `${camp}${kind ? `, ${kind}` : ""}`));
     const margin = make("span", { class: "margin", id: `margin-${camp}` });
-    return make("div", { class: `side ${camp}` }, badge(camp, camp[0].toUpperCase()), who, margin);
+    const lead = make("span", { class: "lead", id: `lead-${camp}` }, "leads", make("span", { class: "by", id: `by-${camp}` }));
+    return make("div", { class: `side ${camp}` }, badge(camp, camp[0].toUpperCase()), who, margin, lead);
   };
   const what = make("span", { class: "what", id: "what", title: story.seed ? `seed ${story.seed}` : "" });
   byId("score").replaceChildren(side("red"), make("span", { class: "versus" }, "against"), side("blue"), what);

@@ -38,14 +38,16 @@ export class Camera {
     this.y = this.extent.y / 2;
   }
 
-  /** A part of the map, with room around it. */
-  show(places: Point[], room: number): void {
+  /** A part of the map, with room around it; above and below some pixels are left free. */
+  show(places: Point[], room: number, [above, below] = [0, 0]): void {
     const xs = places.map((place) => place.x);
     const ys = places.map((place) => place.y);
     const [left, right, top, bottom] = [Math.min(...xs), Math.max(...xs), Math.min(...ys), Math.max(...ys)];
     this.x = (left + right) / 2;
     this.y = (top + bottom) / 2;
-    this.scale = Math.min(this.width / (right - left + 2 * room), this.height / (bottom - top + 2 * room), 40);
+    this.scale = Math.min(this.width / (right - left + 2 * room), (this.height - above - below) / (bottom - top + 2 * room), 40);
+    this.keepScale();
+    this.y += (below - above) / 2 / this.scale;
     this.keep();
   }
 

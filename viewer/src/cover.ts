@@ -11,12 +11,15 @@ import { MARGIN, WIN_RATE, curveChart, lineageChart } from "./svg";
 import { Thumbs } from "./thumb";
 
 const CHART_HEIGHT = { wide: 230, narrow: 172 };
+const [HEAT_NAMES, HEAT_COLUMN] = [120, 77]; // pixels; where they do not fit cells are small
 const WIDE = 860; // pixels with room for two charts side by side
 const TINTS = { light: [[236, 164, 152], [246, 245, 242], [158, 191, 236]], dark: [[132, 47, 35], [44, 50, 58], [35, 75, 139]] };
 
 export class Cover {
   private picked: number[] = []; // games to compare
   private table = 0;
+  private picking = false; // a cell of a heat map is picked to compare, not opened
+  private readonly rates: { number: number; button: HTMLButtonElement }[] = []; // cells with a game
   private width = 0;
   private room = 0; // pixels beside the padding
   private readonly thumbs = new Thumbs();
@@ -56,7 +59,7 @@ export class Cover {
     const count = games.length === 1 ? "One recorded game" : `${games.length} recorded games${same}`;
     const lead: Record<ContentsDoc["kind"], string> = {
       album: `${count}: the commander as it was at each step${learnerText(games)}. A point of the curve or a picture opens a game.`,
-      league: `A cell opens the median game of its match, by margin. ${count}.`,
+      league: games.length ? `A cell opens the median game of its match, by margin. ${count}.` : "No game of these matches was recorded.",
       games: `${count}. A picture opens one.`,
       compare: why ? `These two cannot be shown side by side: they have ${why}.` : `${count}.`,
     };
@@ -93,11 +96,26 @@ export class Cover {
       });
       return button;
     });
+    this.rates.length = 0;
     const told = make("p", { id: "cell-text", "aria-live": "polite" }, "Red's win rate in percent, then its 95 % interval and the number of games.");
     const head = make("tr", {}, make("th", { scope: "col" }, "red ↓  blue →"), ...table.blue.map((name) => make("th", { scope: "col" }, make("bdi", {}, name))));
     const rows = table.red.map((red, i) => make("tr", {}, make("th", { scope: "row" }, make("bdi", {}, red)), ...table.blue.map((_, j) => this.cell(table, i, j, told))));
-    const grid = make("div", { class: "scroll", tabindex: "0", role: "region", "aria-label": "Heat map" }, make("table", { class: "heat" }, make("thead", {}, head), make("tbody", {}, ...rows)));
-    return make("section", { "aria-label": "Who beats whom" }, make("h2", {}, tables.length > 1 ? "Round robins" : `Round robin on ${table.name}`), tables.length > 1 ? make("div", { class: "tabs" }, ...tabs) : null, grid, told, this.legend());
+    const grid = make("div", { class: "scroll", tabindex: "0", role: "region", "aria-label": "Heat map" }, make("table", { class: HEAT_NAMES + table.blue.length * HEAT_COLUMN > this.room ? "heat crowded" : "heat" }, make("thead", {}, head), make("tbody", {}, ...rows)));
+    return make("section", { "aria-label": "Who beats whom" }, make("h2", {}, tables.length > 1 ? "Round robins" : `Round robin on ${table.name}`), tables.length > 1 ? make("div", { class: "tabs" }, ...tabs) : null, this.pickButton(), grid, told, this.legend());
+  }
+
+  /** Cells open their games, or are picked: two of them are put side by side. */
+  private pickButton(): HTMLElement | null {
+    if (this.contents.games.length < 2) return null;
+    const button = make("button", { type: "button", id: "pick-two" }, "Compare two games");
+    press(button, this.picking);
+    button.addEventListener("click", () => {
+      this.picking = !this.picking;
+      press(button, this.picking);
+      this.picked = [];
+      this.showPicked();
+    });
+    return make("div", { class: "tabs" }, button);
   }
 
   private cell(table: TableDoc, i: number, j: number, told: HTMLElement): HTMLElement {
@@ -105,11 +123,14 @@ export class Cover {
     if (!one) return make("td", { class: "none" }, "–");
     const [rate, low, high] = one.rate.map((value) => Math.round(100 * value));
     const text = `${table.red[i]} (red) against ${table.blue[j]} (blue): ${rate} % [${low}, ${high}] of ${one.games} games. ${gameText(one)}`;
-    const inside = [make("b", {}, String(rate)), make("small", {}, `${low}–${high}`), make("small", {}, `n ${one.games}`)];
+    const inside = [make("b", {}, String(rate)), make("small", {}, `${low}–${high}`), make("small", { class: "count" }, `n ${one.games}`)];
     const box = one.game ? make("button", { type: "button", class: "rate", title: text, "data-game": String(one.game) }, ...inside) : make("div", { class: "rate", title: text }, ...inside);
     box.style.backgroundColor = tint(one.rate[0], this.page.dark);
     const { game } = one;
-    if (game) box.addEventListener("click", () => void this.page.choose([game]));
+    if (game && box instanceof HTMLButtonElement) {
+      this.rates.push({ number: game, button: box });
+      box.addEventListener("click", () => (this.picking ? this.pick(game, !this.picked.includes(game)) : void this.page.choose([game])));
+    }
     for (const event of ["pointerenter", "focus"]) box.addEventListener(event, () => say(told, text));
     return make("td", {}, box);
   }
@@ -163,19 +184,32 @@ export class Cover {
     this.showPicked();
   }
 
+  /** Why a game cannot be picked now; null where it can. */
+  private whyNot(number: number): string | null {
+    const [first, second] = this.picked;
+    if (first === undefined || this.picked.includes(number)) return null;
+    return this.page.whyApart(first, number) ?? (second === undefined ? null : "two are picked");
+  }
+
   /** Two can be picked; what cannot be shown beside the first is greyed, and says why. */
   private showPicked(): void {
     const [first, second] = this.picked;
+    for (const { number, button } of this.rates) {
+      const reason = this.whyNot(number);
+      button.disabled = reason !== null;
+      if (this.picking) press(button, this.picked.includes(number));
+      else button.removeAttribute("aria-pressed");
+    }
     for (const { number, box, why, card } of this.cards) {
       const mine = this.picked.includes(number);
-      const reason = mine || first === undefined ? null : (this.page.whyApart(first, number) ?? (second === undefined ? null : "two are picked"));
+      const reason = this.whyNot(number);
       box.checked = mine;
       box.disabled = reason !== null;
       card.classList.toggle("shut", reason !== null && second === undefined);
       say(why, reason && second === undefined ? `not with it: ${reason}` : "");
     }
     const bar = byId("cover-pair");
-    bar.hidden = first === undefined;
+    bar.hidden = first === undefined && !this.picking;
     const go = make("button", { type: "button", id: "compare" }, "Compare");
     go.disabled = second === undefined;
     go.addEventListener("click", () => void this.page.choose(this.picked));
@@ -184,8 +218,9 @@ export class Cover {
       this.picked = [];
       this.showPicked();
     });
-    const names = this.picked.map((number) => make("b", {}, this.page.entryOf(number)?.name ?? ""));
-    bar.replaceChildren(make("span", {}, ...names.flatMap((name, k) => (k ? [" and ", name] : [name])), second === undefined ? ": pick another one" : " side by side"), go, clear);
+    const names = this.picked.map((number) => make("b", {}, make("bdi", {}, this.page.entryOf(number)?.name ?? "")));
+    const next = first === undefined ? "Pick a cell, then another one" : second === undefined ? ": pick another one" : " side by side";
+    bar.replaceChildren(make("span", {}, ...names.flatMap((name, k) => (k ? [" and ", name] : [name])), next), go, clear);
   }
 
   private async drawThumbs(): Promise<void> {

@@ -1,10 +1,11 @@
 // Mouse, fingers and keys.
 
+import { DECISION } from "./clock";
 import { SPEEDS, readCommand, readMoment } from "./commands";
 import { byId, say } from "./dom";
 import { type Point, centre } from "./hex";
 import { spoken } from "./log";
-import { DECISION, type Page } from "./page";
+import type { Page } from "./page";
 import { cellText } from "./piecespanel";
 import { listenPointer } from "./pointer";
 import { openSaving } from "./save";
@@ -16,6 +17,7 @@ export function listen(page: Page): void {
     speed: () => page.setSpeed(SPEEDS[(SPEEDS.indexOf(page.speed) + 1) % SPEEDS.length]), share: () => void page.share(), save: () => openSaving(page),
     theme: () => page.setDark(!page.dark), "cover-theme": () => page.setDark(!page.dark), all: () => page.leave(), earlier: () => page.turn(-1), later: () => page.turn(1), help: () => byId<HTMLDialogElement>("keys").showModal(),
     closer: () => page.zoom(1.5), farther: () => page.zoom(1 / 1.5), whole: () => page.whole(),
+    fold: () => page.unfold(false),
   };
   for (const [id, act] of Object.entries(clicks)) byId(id).addEventListener("click", act);
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", (event) => page.setDark(event.matches));
@@ -72,7 +74,7 @@ function key(page: Page, event: KeyboardEvent): void {
     Home: () => page.seek(0), End: () => page.seek(page.last), "[": () => page.faster(-1), "]": () => page.faster(1),
     l: () => page.toggle("los"), r: () => page.toggle("ranges"), b: () => page.toggle("beliefs"), g: () => page.toggle("fog"),
     f: () => page.toggle("follow"), q: () => page.openTab("policy"), m: () => (page.muted = !page.muted), c: () => void page.share(), s: () => openSaving(page),
-    x: () => (page.timeline.loop = null), "+": () => page.zoom(1.5), "=": () => page.zoom(1.5), "-": () => page.zoom(1 / 1.5), "0": () => page.whole(),
+    x: () => (page.timeline.loop = null), "+": () => page.zoom(1.5), "=": () => page.zoom(1.5), "-": () => page.zoom(1 / 1.5), "0": () => page.whole(), z: () => page.toPieces(),
     a: () => page.leave(), "<": () => page.turn(-1), ">": () => page.turn(1), w: () => page.focus(1 - page.active),
     "/": () => type(), "?": () => byId<HTMLDialogElement>("keys").showModal(), Escape: () => page.pick(null),
   };

@@ -13,6 +13,7 @@ export interface Entry {
   shape: Shape;
   group: Group;
   text: string;
+  brief?: string; // without dice, luck and distance
   luck: number | null; // points more or less than expected, for who fired
   from: number; // cells; -1 none
   to: number;
@@ -108,18 +109,26 @@ function shot(game: Game, event: EventDoc, dead: boolean, riders: string[]): Ent
   const result = event.result ?? -1;
   const shape: Shape = dead ? "dead" : result > 0 ? "hit" : "miss";
   const luck = event.expected === undefined || event.lost === undefined ? null : event.lost - event.expected;
-  return entry(event.tick, campOf(event.piece), shape, "fire", shotText(game, event, dead, riders), { from, to, luck, dead, result });
+  return entry(event.tick, campOf(event.piece), shape, "fire", shotText(game, event, dead, riders), { from, to, luck, dead, result, brief: `${shotHead(event)}: ${harmText(game, event, dead)}` });
+}
+
+function shotHead(event: EventDoc): string {
+  const weapon = event.kind === "guided" ? "guides HEAVY" : (event.weapon ?? "");
+  return `${spoken(event.piece)} ${weapon} → ${spoken(event.target ?? "")}`;
+}
+
+function harmText(game: Game, event: EventDoc, dead: boolean): string {
+  const result = event.result ?? -1;
+  const blood = Math.min(result, game.story.rules.kinds[kindOf(game, event.target ?? "")].blood);
+  return dead ? "destroyed" : result > 0 ? `lost ${blood}` : result === 0 ? "suppressed" : "no effect";
 }
 
 /** "red tank1 GUN → blue chariot0, 3 cells: expected 7.4, 2d6 = 10 (level 7, +0), lost 2 = 22 points". */
 function shotText(game: Game, event: EventDoc, dead: boolean, riders: string[]): string {
-  const [target, result] = [event.target ?? "", event.result ?? -1];
-  const weapon = event.kind === "guided" ? "guides HEAVY" : (event.weapon ?? "");
   const cells = event.cells_apart === undefined ? "" : `, ${event.cells_apart} ${event.cells_apart === 1 ? "cell" : "cells"}`;
-  const head = `${spoken(event.piece)} ${weapon} → ${spoken(target)}${cells}`;
-  const blood = Math.min(result, game.story.rules.kinds[kindOf(game, target)].blood);
-  const harm = dead ? "destroyed" : result > 0 ? `lost ${blood}` : result === 0 ? "suppressed" : "no effect";
-  const end = riders.length > 0 && result > 0 ? `${harm}, with ${riders.map((name) => name.split(":")[1]).join(", ")} aboard` : harm;
+  const head = `${shotHead(event)}${cells}`;
+  const harm = harmText(game, event, dead);
+  const end = riders.length > 0 && (event.result ?? -1) > 0 ? `${harm}, with ${riders.map((name) => name.split(":")[1]).join(", ")} aboard` : harm;
   if (event.roll === undefined) return `${head}: ${end}`;
   const level = event.kind === "mortar_judged" ? (event.hit ? "on target" : "off target") : `level ${event.level}`;
   const dice = `2d6 = ${event.roll} (${level}, ${signed(event.modifiers ?? 0)})`;

@@ -32,5 +32,6 @@ Object.assign(window, {
     at: (tick: number) => at(page, tick), show: (view: View) => page.show(view), seek: (tick: number) => page.seek(tick),
     play: (on: boolean) => page.play(on), costs: page.costs,
     open: (...numbers: number[]) => page.choose(numbers), parting: () => page.parting,
+    tokens: () => page.stages.filter((stage) => stage.isShown).map((stage) => stage.places),
   },
 });

@@ -2,16 +2,17 @@
 
 import type { Camera } from "./camera";
 import { type HexMap, type Point, ROW, STEPS, centre, cubeOf } from "./hex";
+import type { Labels } from "./labels";
 import type { Entry } from "./log";
-import { fade, type Palette } from "./palette";
+import { BURST, fade, type Palette } from "./palette";
 import type { Game, Shown, State } from "./state";
-import type { Camp } from "./story";
-import { type Token, plate, plateWidth } from "./tokens";
+import { CAMPS, type Camp } from "./story";
+import { type Token, plate } from "./tokens";
 import { PATH_CELLS, trace } from "./terrain";
 
 type Ctx = CanvasRenderingContext2D;
 
-export function drawPoints(ctx: Ctx, game: Game, state: State, camera: Camera, palette: Palette, tokens: Token[]): void {
+export function drawPoints(ctx: Ctx, game: Game, state: State, camera: Camera, palette: Palette, tokens: Token[], labels: Labels): void {
   const size = Math.min(20, Math.max(9, camera.scale * 0.55));
   for (const [k, [name, cell, value]] of game.story.points.entries()) {
     const at = camera.toScreen(centre(game.map, cell));
@@ -19,25 +20,8 @@ export function drawPoints(ctx: Ctx, game: Game, state: State, camera: Camera, p
     diamond(ctx, at, size + 2.5, "#ffffff");
     diamond(ctx, at, size, palette.camp[owner]);
     diamond(ctx, at, size * 0.45, "#ffffff");
-    const text = `${name} ${value}`;
-    const half = plateWidth(ctx, text, 12) / 2;
-    const places = PLACES.map(([x, y]) => ({ x: at.x + x * (size + 5 + half), y: at.y + y * (size + 13) }));
-    const best = places.reduce((a, b) => (covered(b, half, tokens) < covered(a, half, tokens) ? b : a));
-    plate(ctx, text, best, 12, palette);
+    labels.add(ctx, `${name} ${value}`, at, size, tokens, camera);
   }
-}
-
-const PLACES = [[0, -1], [0, 1.15], [1, 0], [-1, 0], [0.7, -0.8], [-0.7, -0.8], [0.7, 0.9], [-0.7, 0.9], [0, -2], [0, 2.2]];
-
-/** How much of a text in a place lies under tokens. */
-function covered(place: Point, half: number, tokens: Token[]): number {
-  let sum = 0;
-  for (const one of tokens) {
-    const x = half + one.size + 4 - Math.abs(one.at.x - place.x);
-    const y = 9 + one.size + 4 - Math.abs(one.at.y + 3 - place.y);
-    if (x > 0 && y > 0) sum += x * y;
-  }
-  return sum;
 }
 
 function diamond(ctx: Ctx, at: Point, size: number, colour: string): void {
@@ -221,7 +205,7 @@ function burst(ctx: Ctx, at: Point, size: number, left: number): void {
     ctx.lineTo(at.x + Math.cos(angle) * reach, at.y + Math.sin(angle) * reach);
   }
   ctx.closePath();
-  ctx.fillStyle = `rgba(255,196,40,${0.85 * left})`;
+  ctx.fillStyle = fade(BURST, 0.85 * left);
   ctx.fill();
   ctx.lineWidth = 1.2;
   ctx.strokeStyle = `rgba(120,50,0,${0.8 * left})`;
@@ -287,6 +271,26 @@ export function drawEye(ctx: Ctx, a: Point, b: Point, palette: Palette): void {
   ctx.setLineDash([1, 4]);
   ctx.strokeStyle = palette.ink;
   ctx.stroke();
+  ctx.setLineDash([]);
+}
+
+/** Who sees whom: from each piece to each enemy that it sees, in the colour of its camp; two that see each other have two lines. */
+export function drawEyes(ctx: Ctx, eyes: [Camp, Point, Point][], palette: Palette): void {
+  for (const camp of CAMPS) {
+    ctx.beginPath();
+    for (const [, a, b] of eyes.filter(([seer]) => seer === camp)) {
+      const apart = Math.hypot(b.x - a.x, b.y - a.y) || 1;
+      const [x, y] = [(2 * (b.y - a.y)) / apart, (-2 * (b.x - a.x)) / apart]; // to the left of who looks
+      ctx.moveTo(a.x + x, a.y + y);
+      ctx.lineTo(b.x + x, b.y + y);
+    }
+    for (const [width, colour, dash] of [[2.6, "rgba(255,255,255,0.5)", []], [1.5, palette.camp[camp], [1.5, 3.5]]] as [number, string, number[]][]) {
+      ctx.lineWidth = width;
+      ctx.setLineDash(dash);
+      ctx.strokeStyle = colour;
+      ctx.stroke();
+    }
+  }
   ctx.setLineDash([]);
 }
 

@@ -1,31 +1,31 @@
 // The page: one store, one clock, one draw. What builds it is in build.ts and cover.ts, who touches it in input.ts.
 
-import { build, buildGame } from "./build";
-import { type Moment, SPEEDS, readMoment, writeMoment } from "./commands";
-import { type Parting, partingOf } from "./compare";
+import { build } from "./build";
+import { Clock } from "./clock";
+import { type Moment, readMoment, writeMoment } from "./commands";
+import type { Parting } from "./compare";
 import { type ContentsDoc, type EntryDoc, whyApart } from "./contents";
 import { Cover } from "./cover";
-import { byId, press, say } from "./dom";
+import { byId, say } from "./dom";
 import { type HexMap, cellName, parseCell, readMap } from "./hex";
 import { listen } from "./input";
-import { type Entry, signed } from "./log";
+import type { Entry } from "./log";
 import { paletteOf } from "./palette";
-import { logPanel } from "./logpanel";
-import { piecesPanel } from "./piecespanel";
-import { mindsOf, policyPanel } from "./policypanel";
+import { noteAddress, openGames } from "./opening";
+import { mindsOf } from "./policypanel";
 import type { Scene, Tab } from "./scene";
-import { Stage } from "./stage";
+import type { Stage } from "./stage";
 import type { Game, Piece } from "./state";
-import { CAMPS, type View, loadContents, loadMap, viewsOf } from "./story";
-import { Tape } from "./tape";
+import { CAMPS, type View, loadContents, loadMap } from "./story";
+import type { Tape } from "./tape";
+import { announce, drawTexts } from "./texts";
 import { Timeline } from "./timeline";
 
-export const DECISION = 75;
 const MOST_RATIO = 2; // device pixels a CSS pixel
 const FIRE_TICKS = 14;
 const FIRST = 1; // number of the first game
 
-export class Page {
+export class Page extends Clock {
   contents: ContentsDoc | null = null; // of a page of many games
   cover: Cover | null = null;
   covered = false;
@@ -35,9 +35,6 @@ export class Page {
   parting: Parting | null = null;
   readonly timeline = new Timeline(byId<HTMLCanvasElement>("timeline"));
   private readonly maps = new Map<string, Promise<HexMap>>();
-  time = 0;
-  speed = 16;
-  playing = false;
   picked: Piece | null = null;
   cell = -1;
   hover = -1;
@@ -48,8 +45,6 @@ export class Page {
   on = { los: false, ranges: false, beliefs: true, policy: true, fog: true };
   dark = matchMedia("(prefers-color-scheme: dark)").matches;
   readonly still = matchMedia("(prefers-reduced-motion: reduce)");
-  asked = 0; // number of the frame that was asked for
-  before = 0; // time of the last frame
   readonly costs: number[] = []; // script time of the last frames, ms
 
   async open(): Promise<void> {
@@ -89,7 +84,7 @@ export class Page {
     if (number === undefined || (this.contents && !this.entryOf(number))) return this.showCover();
     const beside = moment.with !== undefined && this.whyApart(number, moment.with) === null ? [moment.with] : [];
     const numbers = [number, ...beside];
-    if (this.covered || numbers.join() !== this.tapes.map((tape) => tape.number).join()) await this.openGames(numbers, moment);
+    if (this.covered || numbers.join() !== this.tapes.map((tape) => tape.number).join()) await openGames(this, numbers, moment);
     else if (moment.view && this.views.includes(moment.view)) await this.show(moment.view);
     this.go(moment);
     this.ask();
@@ -106,22 +101,15 @@ export class Page {
 
   /** From the cover: a step that the browser can take back. */
   async choose(numbers: number[]): Promise<void> {
-    try {
-      history.pushState(null, "", writeMoment(numbers.length > 1 ? { game: numbers[0], with: numbers[1] } : { game: numbers[0] }));
-    } catch {
-      // a page within a page has no address of its own
-    }
-    await this.moveTo({ game: numbers[0], ...(numbers.length > 1 ? { with: numbers[1] } : {}) });
+    const moment = { game: numbers[0], ...(numbers.length > 1 ? { with: numbers[1] } : {}) };
+    noteAddress(moment, "push");
+    await this.moveTo(moment);
     byId("play").focus();
   }
 
   leave(): void {
     if (!this.contents) return;
-    try {
-      history.pushState(null, "", "#");
-    } catch {
-      // as above
-    }
+    noteAddress({}, "push");
     this.showCover();
     byId("cover").focus();
   }
@@ -130,29 +118,6 @@ export class Page {
   turn(by: 1 | -1): void {
     const number = this.tape.number + by;
     if (this.entryOf(number)) void this.choose([number]);
-  }
-
-  private async openGames(numbers: number[], moment: Moment): Promise<void> {
-    const tapes = numbers.map((number) => new Tape(number, this.entryOf(number), this.entryOf(number)?.views ?? viewsOf(number), (key) => this.mapOf(key)));
-    const views = tapes[0].views;
-    const first = moment.view && views.includes(moment.view) ? moment.view : views[0];
-    await Promise.all(tapes.map((tape) => tape.show(first)));
-    this.halt();
-    Object.assign(this, { tapes, active: 0, covered: false, time: 0, picked: null, cell: -1, hover: -1, hot: null, mindKey: "" });
-    this.parting = tapes.length > 1 ? partingOf(tapes[0].game.story, tapes[1].game.story) : null;
-    byId("cover").hidden = true;
-    byId("app").hidden = false;
-    byId("app").classList.toggle("pair", tapes.length > 1);
-    for (const stage of this.stages) stage.drop();
-    this.stages = [];
-    for (const [k, tape] of tapes.entries()) this.stages.push(new Stage(tape.game, () => this.ask(), k, this.stages[0]?.camera));
-    buildGame(this);
-    this.showTimeline();
-    byId("panel").dataset.key = "";
-    for (const stage of this.stages) stage.resize(this.ratio);
-    this.go(moment);
-    this.stage.frame(this.scene());
-    this.draw(performance.now());
   }
 
   mapOf(key: string): Promise<HexMap> {
@@ -165,10 +130,11 @@ export class Page {
   focus(k: number): void {
     if (k === this.active || !this.tapes[k]) return;
     this.active = k;
+    byId("app").classList.toggle("second", k === 1);
     this.hot = null;
     this.showTimeline();
     byId("panel").dataset.key = "";
-    this.announce(this.tape.name);
+    announce(this, this.tape.name);
     this.ask();
   }
 
@@ -223,6 +189,10 @@ export class Page {
     };
   }
 
+  scenes(): Scene[] {
+    return this.tapes.map((_, k) => this.scene(k));
+  }
+
   go(moment: Moment): void {
     if (this.covered) return;
     if (moment.t !== undefined) this.time = Math.min(moment.t, this.last);
@@ -247,114 +217,55 @@ export class Page {
     if (view === this.game.view) return;
     await Promise.all(this.tapes.map((tape) => tape.show(view)));
     this.showTimeline();
-    this.announce(view === "referee" ? "The referee's view" : `What ${view} knows`);
+    announce(this, view === "referee" ? "The referee's view" : `What ${view} knows`);
     this.noteMoment();
     this.ask();
   }
 
   // --- the clock ----------------------------------------------------------------------------------
 
-  ask(): void {
-    if (!this.asked) this.asked = requestAnimationFrame((now) => this.tick(now));
+  get loop(): [number, number] | null {
+    return this.timeline.loop;
   }
 
-  tick(now: number): void {
-    this.asked = 0;
-    if (this.playing) this.advance(Math.min(250, now - this.before));
-    this.before = now;
-    this.draw(now);
-    if (this.playing) this.ask();
+  get isOpen(): boolean {
+    return !this.covered && this.tapes.length > 0;
   }
 
-  advance(ms: number): void {
-    const end = this.timeline.loop?.[1] ?? this.last;
-    this.time += (ms / 1000) * this.speed;
-    if (this.time < end) return;
-    if (this.timeline.loop) this.time = this.timeline.loop[0];
-    else {
-      this.time = end;
-      this.play(false);
-    }
+  get eventTicks(): number[] {
+    return this.list().filter((one) => one.group === "fire" || one.shape === "sight").map((one) => one.tick);
   }
 
-  private halt(): void {
-    this.playing = false;
-    byId("play").classList.remove("on");
-    byId("play").setAttribute("aria-label", "Play");
+  get decisionTicks(): number[] {
+    return CAMPS.flatMap((camp) => this.game.story.policy[camp]?.decisions.map(([tick]) => tick) ?? []);
   }
 
-  play(playing: boolean): void {
-    if (this.covered || this.tapes.length === 0) return;
-    if (playing && this.time >= this.last) this.time = 0;
-    this.playing = playing;
-    this.before = performance.now();
-    byId("play").classList.toggle("on", playing);
-    byId("play").setAttribute("aria-label", playing ? "Pause" : "Play");
-    if (!playing) {
-      this.time = Math.floor(this.time);
-      this.announce();
-      this.noteMoment();
-    }
-    this.ask();
-  }
-
-  seek(tick: number): void {
-    this.time = Math.max(0, Math.min(this.last, Math.floor(tick)));
-    this.announce();
+  stopped(): void {
+    announce(this);
     this.noteMoment();
-    this.ask();
-  }
-
-  step(direction: 1 | -1): void {
-    const now = Math.floor(this.time);
-    const ticks = this.list().filter((one) => one.group === "fire" || one.shape === "sight").map((one) => one.tick);
-    const next = direction > 0 ? ticks.find((tick) => tick > now) : ticks.filter((tick) => tick < now).pop();
-    this.seek(next ?? (direction > 0 ? this.last : 0));
-  }
-
-  decide(): void {
-    const now = Math.floor(this.time);
-    const ticks = CAMPS.flatMap((camp) => this.game.story.policy[camp]?.decisions.map(([tick]) => tick) ?? []);
-    const next = ticks.filter((tick) => tick > now).sort((a, b) => a - b)[0];
-    this.seek(next ?? (Math.floor(now / DECISION) + 1) * DECISION);
-  }
-
-  setSpeed(speed: number): void {
-    this.speed = speed;
-    this.noteMoment();
-    this.ask();
-  }
-
-  faster(by: 1 | -1): void {
-    const k = SPEEDS.indexOf(this.speed) + by;
-    this.setSpeed(SPEEDS[Math.max(0, Math.min(SPEEDS.length - 1, k))]);
   }
 
   noteMoment(): void {
-    if (this.covered) return;
-    try {
-      history.replaceState(null, "", writeMoment(this.moment()));
-    } catch {
-      // a page within a page has no address of its own
-    }
+    if (!this.covered) noteAddress(this.moment(), "replace");
   }
 
   // --- drawing ------------------------------------------------------------------------------------
 
   draw(now: number): void {
-    if (this.covered || this.tapes.length === 0) return;
+    if (!this.isOpen) return;
     const start = performance.now();
     const scene = this.scene();
     if (this.follow && this.picked) this.chase(scene);
     const hot = this.hot && this.hot.to >= 0 ? { shape: "arrow" as const, from: this.hot.from, to: this.hot.to } : null;
     const policy = this.on.policy && this.tab === "policy";
     for (const [k, stage] of this.stages.entries()) {
+      if (!stage.isShown) continue;
       const own = k === this.active;
       stage.draw(own ? scene : this.scene(k), { ...this.on, policy, fireTicks: Math.max(FIRE_TICKS, this.speed * 0.9) }, own ? hot : null);
     }
     this.timeline.minds = this.picked ? { camp: this.picked.camp, ticks: this.minds() } : null;
     this.timeline.draw(scene.time, scene.palette, this.ratio, this.muted);
-    this.drawTexts(scene, now);
+    drawTexts(this, scene, now);
     this.costs.push(performance.now() - start);
     if (this.costs.length > 5000) this.costs.splice(0, 1000);
   }
@@ -367,69 +278,7 @@ export class Page {
 
   mindKey = "";
   mindTicks: number[] = [];
-
-  drawTexts(scene: Scene, now: number): void {
-    const { state } = scene;
-    this.drawScore(scene);
-    const minutes = `${Math.floor(state.tick / 60)}:${String(state.tick % 60).padStart(2, "0")}`;
-    say(byId("tick"), String(state.tick));
-    say(byId("of"), ` of ${this.game.story.game_ticks}  (${minutes})`);
-    say(byId("speed"), `${this.speed}×`);
-    const slider = byId("timeline");
-    slider.setAttribute("aria-valuemax", String(this.last));
-    slider.setAttribute("aria-valuenow", String(state.tick));
-    slider.setAttribute("aria-valuetext", `tick ${state.tick}, ${this.marginText(scene)}`);
-    if (this.playing && now - this.panelled < 120) return; // the panel follows at a pace that can be read
-    this.panelled = now;
-    this.drawPanel(scene);
-  }
-
-  panelled = 0;
-
-  drawPanel(scene: Scene): void {
-    const panel = byId("panel");
-    if (this.tab === "pieces") piecesPanel(panel, scene);
-    else if (this.tab === "log") logPanel(panel, scene, true);
-    else policyPanel(panel, scene);
-    for (const button of byId("tabs").children) button.setAttribute("aria-selected", String(button.id === `tab-${this.tab}`));
-    for (const button of byId("views").children) press(button as HTMLElement, button.id === `view-${this.game.view}`);
-    for (const name of ["los", "ranges", "beliefs", "fog"] as const) press(byId(`on-${name}`), this.on[name]);
-    press(byId("on-follow"), this.follow);
-    byId("on-fog").hidden = this.game.view === "referee";
-    byId("on-beliefs").hidden = this.game.view !== "referee";
-  }
-
-  drawScore(scene: Scene): void {
-    if (this.tapes.length > 1) return this.drawCaptions();
-    for (const camp of CAMPS) {
-      const margin = scene.state.margin[camp];
-      say(byId(`margin-${camp}`), margin === undefined ? "" : signed(margin));
-    }
-    say(byId("what"), this.aboutText(this.tape, scene.state.tick));
-  }
-
-  private drawCaptions(): void {
-    for (const [k, tape] of this.tapes.entries()) {
-      const { margin } = this.scene(k).state;
-      for (const camp of CAMPS) say(byId(`margin-${camp}-${k}`), margin[camp] === undefined ? "" : signed(margin[camp] ?? 0));
-      byId(`about-${k}`).classList.toggle("active", k === this.active);
-      press(byId(`pick-${k}`), k === this.active);
-      say(byId(`result-${k}`), this.resultText(tape, Math.floor(this.time)));
-    }
-  }
-
-  private resultText(tape: Tape, tick: number): string {
-    const { story, last } = tape.game;
-    const winner = story.end?.winner;
-    return !winner || tick < last ? "" : winner === "draw" ? "a draw" : `${winner} wins`;
-  }
-
-  private aboutText(tape: Tape, tick: number): string {
-    const { view, story } = tape.game;
-    const name = tape.name ? `${tape.name}, ` : "";
-    if (view !== "referee") return `${name}${story.scenario}, margin as ${view} knows it`;
-    return [`${name}${story.scenario}, seed …${story.seed?.slice(-6)}`, this.resultText(tape, tick)].filter(Boolean).join(", ");
-  }
+  panelled = 0; // time at which the panel was drawn
 
   chase(scene: Scene): void {
     const shown = this.picked ? scene.state.pieces[this.picked.index] : null;
@@ -442,29 +291,13 @@ export class Page {
 
   resized(): void {
     this.cover?.resized();
-    if (this.covered || this.tapes.length === 0) return;
+    if (!this.isOpen) return;
     for (const [k, stage] of this.stages.entries()) {
+      if (!stage.isShown) continue;
       stage.resize(this.ratio);
       stage.renew(this.scene(k));
     }
     this.ask();
-  }
-
-  // --- words --------------------------------------------------------------------------------------
-
-  marginText(scene: Scene): string {
-    const known = this.game.view === "referee" ? "margin" : "margin as known";
-    const margins = CAMPS.filter((camp) => scene.state.margin[camp] !== undefined);
-    return `${known} ${margins.map((camp) => `${camp} ${signed(scene.state.margin[camp] ?? 0)}`).join(", ")}`;
-  }
-
-  announce(before = ""): void {
-    const scene = this.scene();
-    const happened = this.list().filter((one) => one.tick === scene.state.tick && one.group !== "orders").map((one) => one.text);
-    const said = [before, `Tick ${scene.state.tick}`, this.marginText(scene), ...happened.slice(0, 3)].filter(Boolean).join(". ");
-    say(byId("live"), said);
-    const alive = CAMPS.map((camp) => `${scene.state.pieces.filter((one) => one.piece.camp === camp && one.blood > 0).length} ${camp}`);
-    byId("terrain").setAttribute("aria-label", `Map ${this.map.name}, tick ${scene.state.tick}: pieces ${alive.join(", ")}; ${this.marginText(scene)}`);
   }
 
   // --- acts ---------------------------------------------------------------------------------------
@@ -477,6 +310,7 @@ export class Page {
 
   openTab(tab: Tab): void {
     this.tab = tab;
+    this.unfold(true);
     byId("panel").dataset.key = "";
     this.ask();
   }
@@ -501,12 +335,31 @@ export class Page {
     this.ask();
   }
 
+  /** To where the pieces are. */
+  toPieces(): void {
+    this.stage.frame(this.scenes(), true);
+    this.ask();
+  }
+
+  /** Where there is little room and two games: the panel, or the map of the other one. */
+  unfold(open: boolean): void {
+    const room = () => byId("stage").clientHeight + byId("stage-2").clientHeight;
+    const before = room();
+    byId("app").classList.toggle("open", open);
+    byId("fold").setAttribute("aria-expanded", String(open));
+    if (this.stages.length > 0 && room() !== before) {
+      this.resized();
+      this.toPieces();
+    }
+    this.ask();
+  }
+
   async share(): Promise<void> {
     const address = location.href.split("#")[0] + writeMoment(this.moment());
     const command = `hexwar watch ${this.contents ? "GAMES" : "GAME.hwr"} -o game.html  ${writeMoment(this.moment())}`;
     try {
       await navigator.clipboard.writeText(location.protocol.startsWith("about") ? command : address);
-      this.announce("The link is copied");
+      announce(this, "The link is copied");
       this.flash("copied");
     } catch {
       this.flash(writeMoment(this.moment()));

@@ -32,7 +32,7 @@ const LIGHT: Palette = {
   dark: false,
   ground: ["#ebeee0", "#e5e7d4", "#dddcc5", "#d3ceb5", "#c8bfa5", "#bcaf98", "#b0a28f"],
   forest: "#adcb9e",
-  tree: "#7fa374",
+  tree: "#98ba8c",
   marsh: "#cbe3dd",
   rush: "#8fb8ac",
   lake: "#abd0ea",
@@ -46,9 +46,9 @@ const LIGHT: Palette = {
   ink: "#1d232b",
   plate: "rgba(255,255,255,0.88)",
   rim: "#ffffff",
-  camp: { red: "#c62f1d", blue: "#1b58b8", green: "#6f756c" },
+  camp: { red: "#c22513", blue: "#1b58b8", green: "#6f756c" },
   text: { red: "#b3200f", blue: "#174d9f", green: "#555b52" },
-  warn: "#d98a00",
+  warn: "#e89a08",
   paper: "#ffffff",
   line: "#d7dce2",
   soft: "#5b6470",
@@ -56,14 +56,14 @@ const LIGHT: Palette = {
 
 const DARK: Palette = {
   dark: true,
-  ground: ["#343b38", "#3a403a", "#42453c", "#4b4a3f", "#555043", "#5f5748", "#6a5f4f"],
+  ground: ["#343b38", "#383e38", "#3e4138", "#444339", "#4b463b", "#514a3d", "#574e41"],
   forest: "#2c4634",
-  tree: "#446a4b",
+  tree: "#34513a",
   marsh: "#2f4a49",
   rush: "#4b716d",
   lake: "#26435c",
   shore: "#3f6a8e",
-  road: "#8d8672",
+  road: "#bdb59f",
   roadEdge: "#23241f",
   house: "#817464",
   cliff: "#1f1b16",
@@ -72,13 +72,15 @@ const DARK: Palette = {
   ink: "#eef1f5",
   plate: "rgba(18,22,28,0.86)",
   rim: "#ffffff",
-  camp: { red: "#d8432f", blue: "#2f74dd", green: "#8d948a" },
+  camp: { red: "#e8543f", blue: "#2f74dd", green: "#9aa297" },
   text: { red: "#ff9485", blue: "#8fbcff", green: "#aab1a6" },
-  warn: "#f2b134",
+  warn: "#ffd05e",
   paper: "#171b21",
   line: "#333a44",
   soft: "#a3acb8",
 };
+
+export const BURST = "#ffc428"; // what was hit
 
 export function paletteOf(dark: boolean): Palette {
   return dark ? DARK : LIGHT;

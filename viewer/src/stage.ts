@@ -4,20 +4,22 @@ import { Camera } from "./camera";
 import { Fog } from "./fog";
 import { type Point, cellAt, centre, extent } from "./hex";
 import { byId } from "./dom";
+import { Labels } from "./labels";
 import { Sight } from "./los";
 import {
-  type SightPaths, arrow, drawCell, drawError, drawEye, drawFire, drawPath, drawPoints, drawRanges, drawReach, drawRounds, drawSight, sightPaths,
+  type SightPaths, arrow, drawCell, drawError, drawEye, drawEyes, drawFire, drawPath, drawPoints, drawRanges, drawReach, drawRounds, drawSight, sightPaths,
 } from "./marks";
 import { decisionOf, taskCell } from "./policypanel";
 import type { Scene } from "./scene";
 import { fade } from "./palette";
 import type { Game, Shown } from "./state";
-import { CAMPS } from "./story";
+import { CAMPS, type Camp } from "./story";
 import { Terrain } from "./terrain";
-import { type Token, drawTokens, drawWrecks, knowBlood, plate, tokenSize, tokensOf } from "./tokens";
+import { type Token, drawTokens, drawWrecks, knowBlood, tokenSize, tokensOf } from "./tokens";
 
 const LAYERS = ["terrain", "fog", "marks", "pieces"] as const;
 const SETTLES_MS = 150; // after a zoom or a pan the terrain is drawn anew
+const BUTTON = 48; // pixels of a row of buttons
 const BELIEF_CELLS = 0.5; // a ghost on its piece is not worth a mark
 
 export interface Choices {
@@ -65,6 +67,11 @@ export class Stage {
     return this.k > 0 ? `-${this.k + 1}` : "";
   }
 
+  /** Of two games one may have no room. */
+  get isShown(): boolean {
+    return byId(`stage${this.suffix}`).clientWidth > 0;
+  }
+
   /** The layers, the lowest first. */
   get canvases(): HTMLCanvasElement[] {
     return LAYERS.map((id) => this.contexts[id].canvas);
@@ -88,16 +95,27 @@ export class Stage {
       canvas.height = Math.round(clientHeight * ratio);
     }
     this.camera.resize(clientWidth, clientHeight);
+    this.labels.free = this.covered();
     this.forget();
   }
 
-  /** The pieces of a state and the points, with room; all of the map where there is room for it. */
-  frame(scene: Scene): void {
+  /** The pieces and points of what is shown, with room; unless one looks closely all of the map where there is room for it. */
+  frame(scenes: Scene[], closely = false): void {
     this.camera.fit();
-    if (this.camera.scale >= 9.5) return;
-    const { game, state } = scene;
-    const places = state.pieces.filter((one) => one.cell >= 0 && one.blood > 0).map((one) => one.at);
-    this.camera.show([...places, ...game.story.points.map(([, cell]) => centre(game.map, cell))], 3);
+    this.labels.free = this.covered();
+    if (this.camera.scale >= 9.5 && !closely) return;
+    const { map, story } = scenes[0].game;
+    const pieces = scenes.flatMap(({ state }) => state.pieces.filter((one) => one.cell >= 0 && one.blood > 0).map((one) => one.at));
+    this.camera.show([...pieces, ...story.points.map(([, cell]) => centre(map, cell))], 3, this.labels.free);
+  }
+
+  /** How much of it lies under buttons and texts, above and below. */
+  private covered(): [number, number] {
+    const height = this.camera.height;
+    const boxes = ["layers", "zoom", "last"].map((id) => document.getElementById(id)).flatMap((one) => (one?.offsetHeight ? [one] : []));
+    const above = boxes.filter((one) => one.offsetTop < height / 4).map((one) => one.offsetTop + Math.min(one.offsetHeight, BUTTON));
+    const below = boxes.filter((one) => one.offsetTop > height / 2).map((one) => height - one.offsetTop);
+    return [Math.max(0, ...above), Math.max(0, ...below)];
   }
 
   draw(scene: Scene, choices: Choices, hot: { shape: "arrow"; from: number; to: number } | null, overlay?: Overlay): void {
@@ -117,10 +135,10 @@ export class Stage {
     const away = new Set(ghosts.filter((ghost) => this.isAway(ghost, scene)));
     this.tokens = tokensOf(game, state, camera, ghosts, away);
     const marks = this.clear("marks", ratio);
-    this.labels.length = 0;
+    this.labels.clear();
     overlay?.ground(marks, this);
     this.drawAsked(marks, scene, choices, overlay === undefined);
-    drawPoints(marks, game, state, camera, palette, this.tokens);
+    drawPoints(marks, game, state, camera, palette, this.tokens, this.labels);
     this.drawBeliefs(marks, scene, away);
     drawRounds(marks, game, state, time, camera, palette);
     overlay?.below(marks, this);
@@ -128,13 +146,13 @@ export class Stage {
     const pieces = this.clear("pieces", ratio);
     drawWrecks(pieces, state, camera, palette);
     drawFire(pieces, game.map, scene.entries, time, choices.fireTicks, camera, palette);
+    this.labels.draw(pieces, palette);
     drawTokens(pieces, this.tokens, scene.picked?.index ?? -1, palette);
     overlay?.above(pieces, this);
-    for (const { text, at } of this.labels) plate(pieces, text, at, 12, palette);
   }
 
   private wasFoggy: boolean | null = null;
-  private readonly labels: { text: string; at: Point }[] = []; // above the pieces
+  private readonly labels = new Labels(); // above the fire
 
   private drawTerrain(scene: Scene): void {
     const { camera, terrain } = this;
@@ -180,7 +198,7 @@ export class Stage {
     if (choices.los && from >= 0) {
       const kind = shown?.piece.kind ?? "tank"; // from a cell as a tank would look
       drawSight(ctx, this.sightFrom(game, from, kind), this.camera, palette);
-    }
+    } else if (choices.los) drawEyes(ctx, this.eyes(scene), palette);
     if (choices.policy && !picked) for (const one of state.pieces) this.drawChoice(ctx, scene, one, false);
     if (scene.cell >= 0) drawCell(ctx, game.map, scene.cell, this.camera, palette);
     if (!shown || shown.blood === 0 || shown.cell < 0) return;
@@ -188,6 +206,21 @@ export class Stage {
     if (choices.ranges) drawRanges(ctx, game, shown, this.camera, palette);
     if (withPath) drawPath(ctx, game.map, shown.at, game.path(shown.piece, state.tick), this.camera, palette.camp[shown.piece.camp]);
     if (choices.policy) this.drawChoice(ctx, scene, shown, true);
+  }
+
+  /** Who sees whom, between the tokens. */
+  private eyes({ game, state }: Scene): [Camp, Point, Point][] {
+    const places = new Map(this.tokens.filter((one) => !one.ghost).map((one) => [one.shown.piece.index, one.at]));
+    const found: [Camp, Point, Point][] = [];
+    for (const { piece, blood, carrier } of state.pieces) {
+      const from = places.get(piece.index);
+      if (!from || blood === 0 || carrier >= 0) continue;
+      for (const enemy of game.seenFrom(piece, state)) {
+        const to = places.get(enemy.piece.index);
+        if (to) found.push([piece.camp, from, to]);
+      }
+    }
+    return found;
   }
 
   private sightFrom(game: Game, cell: number, kind: string): SightPaths {
@@ -214,7 +247,7 @@ export class Stage {
     const [a, b] = [this.camera.toScreen(shown.at), this.camera.toScreen(place)];
     arrow(ctx, a, b, fade("#ffffff", 0.85), alone ? 6 : 3);
     arrow(ctx, a, b, scene.palette.camp[shown.piece.camp], alone ? 3.2 : 1.4);
-    if (alone) this.labels.push({ text, at: { x: b.x, y: Math.min(a.y, b.y) - tokenSize(this.camera) - 24 } });
+    if (alone) this.labels.add(ctx, text, b, tokenSize(this.camera), this.tokens, this.camera);
   }
 
   private drawBeliefs(ctx: CanvasRenderingContext2D, scene: Scene, away: Set<Shown>): void {
@@ -251,6 +284,11 @@ export class Stage {
   tokensUnder(left: number, top: number, width: number, height: number): number {
     const under = (one: Token) => one.at.x + one.size > left && one.at.x - one.size < left + width && one.at.y + one.size > top && one.at.y - one.size < top + height;
     return this.tokens.filter(under).length;
+  }
+
+  /** Where all tokens are drawn on the screen, and how large. */
+  get places(): { name: string; x: number; y: number; size: number }[] {
+    return this.tokens.map(({ shown, at, size }) => ({ name: shown.piece.name, ...at, size }));
   }
 
   /** Where a piece is drawn on the screen; null where it is not. */

@@ -16,6 +16,7 @@ export interface Token {
   heading: number | null; // angle of the hop under way
 }
 
+const FLAT = 0.78; // below a token stands its blood: one above another needs more room than one beside another
 const DEAD_TICKS = 90; // until a wreck has faded
 
 export function tokenSize(camera: Camera): number {
@@ -65,7 +66,7 @@ function spread(tokens: Token[]): void {
 function part(a: Token, b: Token, i: number, j: number): boolean {
   const wanted = (a.size + b.size) * 1.06 + (a.ghost || b.ghost ? 9 : 2);
   let dx = b.at.x - a.at.x;
-  let dy = b.at.y - a.at.y;
+  let dy = (b.at.y - a.at.y) * FLAT;
   let apart = Math.hypot(dx, dy);
   if (apart >= wanted) return false;
   if (apart < 0.01) {
@@ -74,9 +75,9 @@ function part(a: Token, b: Token, i: number, j: number): boolean {
   }
   const push = ((wanted - Math.min(apart, wanted)) / 2 + 0.1) / apart;
   a.at.x -= dx * push;
-  a.at.y -= dy * push;
+  a.at.y -= (dy * push) / FLAT;
   b.at.x += dx * push;
-  b.at.y += dy * push;
+  b.at.y += (dy * push) / FLAT;
   return true;
 }
 
