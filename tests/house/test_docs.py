@@ -84,3 +84,19 @@ def test_the_readme_names_every_command(root: Path) -> None:
     text = (root / "README.md").read_text(encoding="utf-8")
 
     assert [name for name in COMMANDS if f"`hexwar {name}" not in text] == []
+
+
+def test_every_test_that_a_page_names_is_there(root: Path) -> None:
+    """`test_name` (`tests/.../test_module.py`): one or more names, then their file."""
+    page = (root / "docs" / "formats.md").read_text(encoding="utf-8")
+    named = re.findall(r"((?:`test_\w+`,? ?)+)\(`([\w/.]+)`\)", page)
+    files = re.findall(r"`(tests/[\w/]+\.py|viewer/test/[\w.]+)`", page)
+
+    lost = [
+        f"{path}: {name}"
+        for names, path in named
+        for name in re.findall(r"test_\w+", names)
+        if f"def {name}(" not in (root / path).read_text(encoding="utf-8")
+    ]
+    assert lost == [path for path in files if not (root / path).is_file()] == []
+    assert len(named) > 8

@@ -12,14 +12,17 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+import zstandard
 
 import hexwar_sb3 as hx
 from hexwar_sb3.engine.game import Game
 from hexwar_sb3.engine.replay import PlayerName, Replay
+from hexwar_sb3.engine.replay_file import content_hash, write_lines
 from hexwar_sb3.errors import ConfigError, UnknownNameError
 from hexwar_sb3.viewer import page as page_module
 from hexwar_sb3.viewer.page import filled, packed, replay_page, save_page
 from hexwar_sb3.viewer.picture import MAX_BYTES
+from hexwar_sb3.viewer.story import NAME_CHARACTERS
 
 ROOT = Path(__file__).parents[2]
 NASTY = "<script>alert(1)</script>"
@@ -119,6 +122,18 @@ def test_names_stay_text(short: Replay) -> None:
     assert unpacked(blocks(page)["story-1-red"])["players"]["red"]["name"] == NASTY
 
 
+@pytest.mark.parametrize("name", ["x" * 10_000, "\u202eder\u202c", "\u2066a\u2069" * 3_000, NASTY * 500])
+def test_names_of_any_length_and_direction_are_cut_and_change_no_code(name: str, short: Replay) -> None:
+    """A name is its first 40 characters, and the policy names the same code as ever."""
+    page = replay_page(Replay.of(Game("plain", seed=0), PlayerName(name=name), PlayerName(name="Ben")))
+
+    told = unpacked(blocks(page)["story-1-red"])["players"]["red"]["name"]
+    assert told == name[:NAME_CHARACTERS]
+    policy = r'<meta http-equiv="Content-Security-Policy" content="[^"]*">'
+    assert re.findall(policy, page) == re.findall(policy, replay_page(short))
+    assert name not in page or name == told
+
+
 def test_a_page_that_is_too_large_is_not_written(
     short: Replay, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -193,10 +208,33 @@ def test_the_command_writes_the_page(
     assert (tmp_path / "game.html").read_text(encoding="utf-8") == replay_page(short, "red")
 
 
+def spoil(short: Replay) -> None:
+    """Files that are cut, flipped in a bit, of a later version or other rules, too large or a bomb."""
+    whole = Path("game.hwr").read_bytes()
+    Path("cut.hwr").write_bytes(whole[:-9])
+    middle = len(whole) // 2
+    Path("flipped.hwr").write_bytes(whole[:middle] + bytes([whole[middle] ^ 1]) + whole[middle + 1 :])
+    others = {"version": "0.9", "hash": "0" * 64}
+    for name, change in (
+        ("future", {"version": 99}),
+        ("rules", {"rules": {**short.head["rules"], **others}}),
+    ):
+        lines = [{**short.lines[0], **change}, *short.lines[1:-1]]
+        write_lines(Path(f"{name}.hwr"), [*lines, {**short.lines[-1], "sha256": content_hash(lines)}])
+    Path("bomb.hwr").write_bytes(zstandard.compress(b"0" * (64 << 20)))
+    Path("large.hwr").write_bytes(whole + bytes(4_000_001))
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
         (("cut.hwr", "-o", "game.html"), "cut.hwr: byte "),
+        (("cut.hwr", "game.hwr", "-o", "games.html"), "cut.hwr: byte "),
+        (("flipped.hwr", "-o", "game.html"), "flipped.hwr: byte "),
+        (("future.hwr", "-o", "game.html"), "version: found 99"),
+        (("rules.hwr", "-o", "game.html"), "these are other rules"),
+        (("bomb.hwr", "-o", "game.html"), "bomb.hwr: "),
+        (("large.hwr", "-o", "game.html"), "large.hwr: "),
         (
             ("game.hwr", "-o", "game.txt"),
             "game.txt: found a name of no kind; expected one that ends in .html, .gif",
@@ -223,7 +261,7 @@ def test_a_mistake_writes_nothing(
     monkeypatch.chdir(tmp_path)
     short.save("game.hwr")
     short.for_camp("red").save("own.hwr")
-    Path("cut.hwr").write_bytes(Path("game.hwr").read_bytes()[:-9])
+    spoil(short)
     Path("folder.html").mkdir()
     before = sorted(tmp_path.iterdir())
 
