@@ -59,6 +59,10 @@ LadderFolder = Annotated[
         help="of a training or a league: its policies from the first to the last, the next one after each win",
     ),
 ]
+Player = Annotated[
+    str | None,
+    tyro.conf.arg(metavar="NAME", help="what you are called in the replay and on the page; else person"),
+]
 Name = Annotated[
     str | None, tyro.conf.arg(metavar="NAME", help="of the game and its files; else game_1, game_2, ...")
 ]
@@ -78,6 +82,7 @@ class Play:
     side: Literal["red", "blue"] = "red"  # that you command
     seed: SeedOrNone = None
     hints: Hints = None
+    player: Player = None
     port: Port = 0
     no_browser: bool = False  # only print the address
     resume: Resume = None
@@ -104,10 +109,13 @@ class Play:
         return _goodbye(session)
 
     def _begun(self) -> Session:
+        from hexwar_sb3.server.person import PERSON, check_person
         from hexwar_sb3.server.session import Setup, new_session
 
         if self.name is not None:
             check_name("--name", self.name)
+        player = PERSON if self.player is None else self.player
+        check_person("--player", player)
         seed = (
             secrets.randbits(63)
             if self.seed is None
@@ -121,6 +129,7 @@ class Play:
             scenario=self.scenario,
             side=self.side,
             seed=seed,
+            player=player,
             hints=self.hints,
             name=self.name or _free_name(self.folder),
             folder=self.folder,

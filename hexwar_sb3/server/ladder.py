@@ -14,10 +14,10 @@ from hexwar_sb3.files import write_json
 from hexwar_sb3.kinds import read_fields
 from hexwar_sb3.maps.document import shown
 from hexwar_sb3.reading import check_names, read_json
+from hexwar_sb3.server.person import PERSON
 
 SUFFIX = ".ladder.json"
 FORMAT = "hexwar ladder 1"
-PERSON = "person"
 SCORES = {"won": 1.0, "drawn": 0.5, "lost": 0.0}
 Json = dict[str, Any]
 

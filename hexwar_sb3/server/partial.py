@@ -18,6 +18,7 @@ from hexwar_sb3.files import held
 from hexwar_sb3.kinds import read_fields
 from hexwar_sb3.maps.document import shown
 from hexwar_sb3.reading import parse_json, read_bytes
+from hexwar_sb3.server.person import EXPECTED, is_name
 
 FORMAT = "hexwar-partial"
 FORMAT_VERSION = 1
@@ -32,6 +33,7 @@ class Head:
     rules: str  # their hash
     seed: int
     camp: Literal["red", "blue"]  # the person's
+    player: str  # what the person is called
     opponent: str  # as it was given
     opponent_hash: str | None  # of its weights, or of what all bots do
     hints: str | None  # policy that gives hints, as it was given
@@ -152,7 +154,10 @@ def _head(values: dict[str, Any], path: Path) -> Head:
         if values.get(name) != value:
             raise ReplayFileError(path, f"head.{name}", found=shown(values.get(name)), expected=shown(value))
     rest = {name: value for name, value in values.items() if name not in ("type", "format", "version")}
-    return Head(**read_fields(Head, rest, path, ReplayFileError, "head", whole=True))
+    head = Head(**read_fields(Head, rest, path, ReplayFileError, "head", whole=True))
+    if not is_name(head.player):
+        raise ReplayFileError(path, "head.player", found=ascii(head.player)[:80], expected=EXPECTED)
+    return head
 
 
 def _line(values: dict[str, Any], number: int, path: Path) -> Line:

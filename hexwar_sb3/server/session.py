@@ -43,13 +43,13 @@ from hexwar_sb3.server.messages import (
     Undo,
 )
 from hexwar_sb3.server.partial import ClockLine, Head, HintLine, Line, OrdersLine, Partial
+from hexwar_sb3.server.person import PERSON
 from hexwar_sb3.server.seat import PersonSeat, Refused
 from hexwar_sb3.server.stops import Stops, Watcher
 from hexwar_sb3.viewer.camp_story import CampTeller
 from hexwar_sb3.viewer.map_block import map_block
 from hexwar_sb3.viewer.story import NAME_CHARACTERS, common_part
 
-PERSON = "person"  # name of the one who plays
 COMMANDS, READS = "commands", "reads along"
 Json = dict[str, Any]
 
@@ -65,6 +65,7 @@ class Setup:
     scenario: ScenarioLike = "plain"
     side: str = "red"
     seed: int = 0
+    player: str = PERSON  # what the person is called
     hints: str | None = None
     name: str = "game"
     folder: File = File("play")
@@ -316,7 +317,10 @@ class Session:
         return self.setup.folder / f"{self.setup.name}{SUFFIX}"
 
     def _players(self) -> dict[str, Json]:
-        told = {self.camp: PlayerName(name=PERSON), camp_name(enemy_of(self.game.side)): self.opponent}
+        told = {
+            self.camp: PlayerName(name=self.setup.player),
+            camp_name(enemy_of(self.game.side)): self.opponent,
+        }
         return {camp: player.as_dict() for camp, player in told.items()}
 
     def _write(self, line: Line) -> None:
@@ -328,7 +332,7 @@ class Session:
 
     def _end(self) -> None:
         """Write the whole replay; what was kept on the way is no longer needed."""
-        person, game = PlayerName(name=PERSON, hints=self.hints_used), self.game
+        person, game = PlayerName(name=self.setup.player, hints=self.hints_used), self.game
         players = (person, self.opponent) if self.camp == "red" else (self.opponent, person)
         self.replay = Replay.recorded(game.recorder, game.state, 0, game.seed, *players, self.setup.command)
         if self.record is not None:
@@ -359,6 +363,7 @@ class Session:
             rules=self.game.world.ruleset.hash,
             seed=self.setup.seed,
             camp=self._side(),
+            player=self.setup.player,
             opponent=self.setup.opponent,
             opponent_hash=self.opponent.hash,
             hints=self.setup.hints,
@@ -447,7 +452,7 @@ def resumed_session(path: File, ladder: Ladder | None = None) -> Session:
     try:
         scenario = scenario_from_document(head.scenario, str(path))
         name = path.name.removesuffix(UNDER_WAY)
-        given = {key: getattr(head, key) for key in ("opponent", "seed", "hints")}
+        given = {key: getattr(head, key) for key in ("opponent", "seed", "player", "hints")}
         given |= {"scenario": scenario, "side": head.camp, "name": name, "folder": path.parent}
         setup = Setup(ladder=ladder, **given)
         session = Session(setup, record)

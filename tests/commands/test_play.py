@@ -33,11 +33,16 @@ SECONDS = 60.0
         (("--scenario", "moon"), "moon"),
         (("--hints", "MA1"), "MA1 is a bot; hints are given by a policy, like HRL0"),
         (("--name", "../game"), "--name must be of letters, digits, - and _"),
+        (("--player", ""), "--player must be 1 to 40 printable characters"),
+        (("--player", "x" * 41), "--player must be 1 to 40 printable characters"),
+        (("--player", "a\u202eb"), r"got 'a\u202eb'"),
+        (("--player", " Zoë"), "no blanks at the ends"),
         (("--port", "65536"), "--port must be at most 65535"),
         (("--seed", "-1"), "--seed must be an integer >= 0"),
         (("--resume", "no.partial.hwr"), "no.partial.hwr: file: found No such file"),
         (("--resume", "game.hwr"), "expected a file *.partial.hwr"),
         (("--resume", "no.partial.hwr", "--side", "blue"), "found --side, expected none"),
+        (("--resume", "no.partial.hwr", "--player", "Zoë"), "found --player, expected none"),
     ],
 )
 def test_mistakes_end_in_a_line(
@@ -140,7 +145,8 @@ def connected(address: str) -> Iterator[Callable[..., Any]]:
 
 @pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="needs signals")
 def test_a_game_that_is_killed_and_stopped_goes_on_to_its_end(scenario: Path, tmp_path: Path) -> None:
-    with running(tmp_path, "MA1", "--scenario", str(scenario), "--seed", "5") as (process, address):
+    begins = ("MA1", "--scenario", str(scenario), "--seed", "5", "--player", "Zoë")
+    with running(tmp_path, *begins) as (process, address):
         with connected(address) as ask:
             ask("plan", piece="tank0", steps=["tank0 go 0604", "tank0 occupy"], then=False)
             ask("step", to="decision")
@@ -169,6 +175,7 @@ def test_a_game_that_is_killed_and_stopped_goes_on_to_its_end(scenario: Path, tm
     assert process.returncode == 0
     replay = Replay.load(tmp_path / "play" / "game_1.hwr")
     replay.verify()
+    assert replay.head["players"]["red"] == {"name": "Zoë", "kind": "human", "hints": 0}
     assert [line["hash"] for line in replay.states if line["tick"] == 75] == [killed_at]
     assert not file.exists()
 

@@ -512,7 +512,7 @@ LIMITS: dict[str, tuple[int, ...]] = {
     "events": (story.NAME_CHARACTERS,),
     "play": (
         *(messages.MOST_BYTES, messages.MOST_SPEED, room.MOST_MESSAGES, app.MOST_BODY, steps.MOST_STEPS),
-        *(clock.STEP_SPEED, clock.STEP_BATCH, partial.MOST_BYTES),
+        *(clock.STEP_SPEED, clock.STEP_BATCH, partial.MOST_BYTES, story.NAME_CHARACTERS),
     ),
     "story": (*(viewer_page.MAX_PAGE_BYTES, picture.MAX_BYTES, story.NAME_CHARACTERS, story.FORMAT_VERSION),),
 }

@@ -128,7 +128,7 @@ def test_plans_and_hints_are_kept(begin: Begin, tmp_path: Path) -> None:
 def test_a_game_that_was_killed_at_its_end_is_written(
     begin: Begin, short: Scenario, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    session = begin(scenario=short)
+    session = begin(scenario=short, player="<b>Zoë</b> 3")
     session.answer(Finish())
     monkeypatch.setattr(Session, "_end", lambda _: (_ for _ in ()).throw(KilledError))
     with pytest.raises(KilledError):  # noqa: PT012  # by the last one
@@ -141,6 +141,8 @@ def test_a_game_that_was_killed_at_its_end_is_written(
 
     assert again.replay is not None
     assert (tmp_path / "game.hwr").exists()
+    assert again.replay.head["players"]["red"]["name"] == "<b>Zoë</b> 3"
+    assert again.hello()["story"]["players"]["red"]["name"] == "<b>Zoë</b> 3"
     again.replay.verify()
     assert not (tmp_path / "game.partial.hwr").exists()
 
@@ -200,6 +202,8 @@ def kept(begin: Begin, tmp_path: Path) -> Path:
         ('"version":1', '"version":2', "head.version: found 2; expected 1"),
         ('"camp":"red"', '"camp":"green"', "head.camp"),
         ('"seed":3', '"seed":-3', "seed must be"),
+        ('"player":"person"', '"player":""', r"head.player: found ''; expected 1 to 40 printable"),
+        ('"player":"person"', '"player":"a\u202eb"', r"head.player: found 'a.u202eb'; expected"),
         ('"opponent":"MA2"', '"opponent":"MA7"', "unknown player 'MA7'"),
         ('"opponent":"MA2"', '"opponent":"MA1"', "plays on"),
         ('"rules":"', '"rules":"0', "head.rules: found"),

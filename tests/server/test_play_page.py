@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import shutil
 import subprocess
 import threading
@@ -27,6 +28,8 @@ VIEWER = Path(__file__).parents[2] / "viewer"
 CHROMIUM = os.environ.get("CHROMIUM") or shutil.which("chromium") or shutil.which("chromium-browser")
 PICTURES = os.environ.get("PICTURES")  # folder; PICTURES=docs/play makes the pictures of the guide
 MOST_PICTURE_BYTES = 120_000
+SAMPLES = os.environ.get("SAMPLES")  # folder; SAMPLES=examples/games makes the sample games
+MOST_SAMPLE_BYTES = 16_000
 
 pytestmark = [
     pytest.mark.browser,
@@ -73,11 +76,11 @@ def server(begin: Callable[..., Session], tmp_path: Path) -> Iterator[Server]:
         yield server
 
 
-def browser(address: str, mode: str) -> subprocess.Popen[str]:
+def browser(address: str, mode: str, **more: str) -> subprocess.Popen[str]:
     """A browser at an address; what it prints can be read."""
     pictures = [] if PICTURES is None else [str(Path(PICTURES).resolve())]
     command = ["node", "e2e/play.mjs", address, mode, *pictures]
-    env = {**os.environ, "CHROMIUM": str(CHROMIUM), "SPEED": os.environ.get("SPEED", "no")}
+    env = {**os.environ, "CHROMIUM": str(CHROMIUM), "SPEED": os.environ.get("SPEED", "no"), **more}
     pipes: Any = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
     return subprocess.Popen(command, cwd=VIEWER, env=env, text=True, **pipes)
 
@@ -127,3 +130,38 @@ def test_the_pictures_of_the_guide(mode: str, begin: Callable[..., Session]) -> 
         image = Image.open(path).convert("RGB")
         image.quantize(240, Image.Quantize.MAXCOVERAGE).save(path, optimize=True)
         assert path.stat().st_size < MOST_PICTURE_BYTES
+
+
+RED_PLAN: dict[str, Any] = {
+    "opening": [
+        *("tank0 go 3635", "tank1 go 3647", "aerocraft0 go 3841"),
+        *("chariot0 go 3136", "chariot1 go 3146"),
+    ],
+    "goals": {
+        **{"tank0": "3635", "tank1": "3647", "chariot0": "3136", "chariot1": "3146"},
+        **{"soldier0": "3536", "soldier1": "3546", "aerocraft0": "4241"},
+    },
+}
+
+
+def mirrored(plan: dict[str, Any]) -> dict[str, Any]:
+    """The same plan for blue, on a map whose halves are alike."""
+    return dict(json.loads(re.sub(r"\b(\d\d)(\d\d)\b", lambda at: f"{72 - int(at[1])}{at[2]}", json.dumps(plan))))
+
+
+@pytest.mark.skipif(SAMPLES is None, reason="SAMPLES=examples/games makes them")
+@pytest.mark.parametrize(
+    ("name", "side", "opponent", "seed"),
+    [("red_against_MA1", "red", "MA1", 1), ("blue_against_MA2", "blue", "MA2", 2), ("red_against_HRL0", "red", "HRL0", 3)],
+)
+def test_the_sample_games(name: str, side: str, opponent: str, seed: int, begin: Callable[..., Session], tmp_path: Path) -> None:
+    """Whole games on the map "plain" that this page was made to play; who played says so."""
+    plan = RED_PLAN if side == "red" else mirrored(RED_PLAN)
+    session = begin(player="page-driver", name=name, side=side, opponent=opponent, seed=seed)
+    with served(session) as server:
+        process = browser(server.guard.address, "sample", SAMPLE=json.dumps(plan))
+        _, problems = process.communicate(timeout=3_600)
+
+    assert process.returncode == 0, problems
+    assert session.file.stat().st_size < MOST_SAMPLE_BYTES
+    shutil.copy(session.file, Path(str(SAMPLES)) / session.file.name)

@@ -80,6 +80,7 @@ def test_the_replay_is_whole_and_says_who_played(begin: Begin, brief: Scenario, 
     assert replay.head["players"]["red"]["name"] == "HRL0"
     assert replay.head["command"] == "hexwar play HRL0"
     assert "hints" not in str(replay.for_camp("red").head["players"])
+    assert session.hello()["story"]["players"]["blue"] == {"name": "person", "kind": "human"}
     assert not (tmp_path / "game.partial.hwr").exists()
     assert len(messages) == 300 / 75
     over = session.over()

@@ -1,5 +1,5 @@
 // A game that is played, in a real Chromium against a real server: node e2e/play.mjs ADDRESS MODE [PICTURES]
-// MODE: mouse, keys, tabs, phone or lost. Made for the scenario of tests/server/test_page.py. Prints figures as JSON; fails with what is wrong.
+// MODE: mouse, keys, tabs, phone or lost, made for the scenario of tests/server/test_play_page.py; guide, guide-phone; sample. Prints figures as JSON; fails with what is wrong.
 
 import { execSync } from "node:child_process";
 import { readFileSync } from "node:fs";
@@ -10,6 +10,7 @@ const executablePath = process.env.CHROMIUM ?? execSync("command -v chromium || 
 const BARS = { answerMs: 100, touchPx: 44 };
 const MAIN = "3635"; // the cell of the point
 const MOST_RUNS = 60; // until the game must be over
+const MOST_STOPS = 600; // likewise, of a whole game
 const problems = [];
 const figures = {};
 
@@ -441,11 +442,47 @@ async function guidePhone(context) {
   await picture(page, "phone");
 }
 
+// --- sample games -----------------------------------------------------------------------------------
+
+const LEAST_POINTS = 1; // that a shot must be worth
+
+/** A whole game: orders are typed at the start; where the clock stops, each idle piece does the best that the page lists for it, else it goes on to its goal. */
+async function sample(context) {
+  const { opening, goals } = JSON.parse(process.env.SAMPLE);
+  const page = await open(context);
+  await page.keyboard.press("Enter");
+  for (const line of [...opening, "speed 64"]) await typed(page, line);
+  for (let k = 0; k < MOST_STOPS && !(await isOver(page)); k++) {
+    const idle = await page.evaluate(() => [...document.querySelectorAll(".pick-row button")].map((one) => one.id.slice("pick-".length)).filter((name) => window.hexwar.session().isIdle(name)));
+    for (const name of idle) await act(page, name, goals[name]);
+    await again(page, () => page.click("#go"));
+  }
+  check(await isOver(page), "the game does not end");
+  figures.result = await page.evaluate(() => window.hexwar.session().over?.result);
+}
+
+async function act(page, name, goal) {
+  await page.click(`#pick-${name}`);
+  await until(page, `${name}: expected a list of what it can do`, ([name]) => document.querySelector(`#pick-${name}[aria-pressed="true"]`) && document.querySelector("#panel .acts"), name);
+  await page.waitForTimeout(300); // an answer of an earlier tick is asked for again
+  const found = await page.evaluate(([name, goal, least]) => {
+    const { map, game, tick, camp } = window.hexwar.session();
+    const { cell } = game.shown(game.byName(`${camp}:${name}`), tick);
+    const there = goal === [cell % map.width, Math.floor(cell / map.width)].map((number) => String(number).padStart(2, "0")).join("");
+    const offers = [...document.querySelectorAll("#panel .acts button")].map((one) => ({ id: one.id, points: Number.parseFloat(one.querySelector(".points")?.textContent ?? "0") }));
+    const shot = offers.find(({ points }) => points >= least);
+    const other = (verb) => offers.find(({ id }) => id.startsWith(`act-${name}-${verb}`));
+    return { there, id: (shot ?? other("occupy") ?? (there ? other("get-off") ?? other("hide") : undefined))?.id };
+  }, [name, goal, LEAST_POINTS]);
+  if (found.id) await page.click(`#${found.id}`);
+  else if (goal && !found.there) await typed(page, `${name} go ${goal}`);
+}
+
 const browser = await chromium.launch({ executablePath, args: ["--no-sandbox"] });
 try {
   const { defaultBrowserType: _, ...pixel } = devices["Pixel 7"];
   const context = await browser.newContext(mode.endsWith("phone") ? { ...pixel, viewport: { width: 390, height: 844 }, deviceScaleFactor: 2 } : { viewport: mode === "guide" ? { width: 1280, height: 800 } : { width: 1400, height: 900 } });
-  await { mouse, keys, tabs, phone, lost, guide, "guide-phone": guidePhone }[mode](context);
+  await { mouse, keys, tabs, phone, lost, guide, "guide-phone": guidePhone, sample }[mode](context);
 } catch (error) {
   problems.push(error.message);
 } finally {
