@@ -96,10 +96,12 @@ class Play:
         if missing:
             raise ConfigError(f'playing needs {", ".join(missing)}: pip install "hexwar-sb3[play]"')
         from hexwar_sb3.server.app import Server
+        from hexwar_sb3.server.warm import warm_up
 
         check_whole("--port", self.port, least=0, most=MOST_PORT)
         session = self._begun() if self.resume is None else self._resumed(self.resume)
         server = Server(session, self.port)
+        warm_up(session.setup)
         print(f"{_welcome(session)}\n{server.guard.address}", flush=True)
         try:
             with _browser(server.guard.address, opens=not self.no_browser):
