@@ -112,6 +112,8 @@ async function mouse(context) {
   const page = await open(context);
   figures.firstFrameMs = Math.round(await page.evaluate(() => performance.getEntriesByName("first frame")[0].startTime));
   check(await page.locator("#first[open]").isVisible(), "no help with the first order");
+  const name = await page.evaluate(() => window.hexwar.session().story.players.red.name);
+  check((await page.locator(".you .name").textContent()) === name, `${name} is not shown as a text`);
   await readable(page, "first order");
   await page.click("#first button.strong");
   await rules(context, page);
@@ -446,12 +448,12 @@ async function guidePhone(context) {
 
 const LEAST_POINTS = 1; // that a shot must be worth
 
-/** A whole game: orders are typed at the start; where the clock stops, each idle piece does the best that the page lists for it, else it goes on to its goal. */
+/** A whole game: wherever the clock stops, each idle piece does the best that the page lists for it, else it goes to its goal. */
 async function sample(context) {
-  const { opening, goals } = JSON.parse(process.env.SAMPLE);
+  const goals = JSON.parse(process.env.GOALS);
   const page = await open(context);
   await page.keyboard.press("Enter");
-  for (const line of [...opening, "speed 64"]) await typed(page, line);
+  await typed(page, "speed 64");
   for (let k = 0; k < MOST_STOPS && !(await isOver(page)); k++) {
     const idle = await page.evaluate(() => [...document.querySelectorAll(".pick-row button")].map((one) => one.id.slice("pick-".length)).filter((name) => window.hexwar.session().isIdle(name)));
     for (const name of idle) await act(page, name, goals[name]);
@@ -464,17 +466,17 @@ async function sample(context) {
 async function act(page, name, goal) {
   await page.click(`#pick-${name}`);
   await until(page, `${name}: expected a list of what it can do`, ([name]) => document.querySelector(`#pick-${name}[aria-pressed="true"]`) && document.querySelector("#panel .acts"), name);
-  await page.waitForTimeout(300); // an answer of an earlier tick is asked for again
+  await page.waitForTimeout(500); // an answer of an earlier tick is asked for again
   const found = await page.evaluate(([name, goal, least]) => {
     const { map, game, tick, camp } = window.hexwar.session();
     const { cell } = game.shown(game.byName(`${camp}:${name}`), tick);
-    const there = goal === [cell % map.width, Math.floor(cell / map.width)].map((number) => String(number).padStart(2, "0")).join("");
+    const there = goal === [cell % map.width, Math.floor(cell / map.width)].map((number) => String(number + 1).padStart(2, "0")).join("");
     const offers = [...document.querySelectorAll("#panel .acts button")].map((one) => ({ id: one.id, points: Number.parseFloat(one.querySelector(".points")?.textContent ?? "0") }));
     const shot = offers.find(({ points }) => points >= least);
     const other = (verb) => offers.find(({ id }) => id.startsWith(`act-${name}-${verb}`));
     return { there, id: (shot ?? other("occupy") ?? (there ? other("get-off") ?? other("hide") : undefined))?.id };
   }, [name, goal, LEAST_POINTS]);
-  if (found.id) await page.click(`#${found.id}`);
+  if (found.id) await page.click(`#${found.id}`, { timeout: 3000 }).catch(() => {}); // gone: the list was of an earlier tick
   else if (goal && !found.there) await typed(page, `${name} go ${goal}`);
 }
 
