@@ -19,6 +19,7 @@ import pytest
 pytest.importorskip("starlette")
 pytest.importorskip("httpx")
 
+from hexwar_sb3.server import room
 from hexwar_sb3.server.messages import MOST_SPEED
 from hexwar_sb3.server.session import Session
 
@@ -37,10 +38,10 @@ class Times:
     wall: list[float] = field(default_factory=list)
     process: list[float] = field(default_factory=list)
 
-    def take(self, ask: Callable[[], object]) -> None:
+    def take(self, ask: Callable[..., object], *given: object, **fields: object) -> None:
         """Ask, and note how long it took."""
         wall, process = time.perf_counter(), time.process_time()
-        ask()
+        ask(*given, **fields)
         self.wall.append(time.perf_counter() - wall)
         self.process.append(time.process_time() - process)
 
@@ -64,9 +65,10 @@ def until_it_stands(socket: Any, hear: Callable[[Any], Any]) -> Any:
 
 
 def test_orders_and_questions_are_answered_at_once(
-    begin: Begin, served: Callable[..., Any], tools: Tools
+    begin: Begin, served: Callable[..., Any], tools: Tools, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """In a whole game on "plain": an order until the message that shows it, a look, a way."""
+    monkeypatch.setattr(room, "IN_SECONDS", 0.0)  # no number of questions is a flood
     ask, hear = tools
     session = begin(opponent="MA1", seed=5)
     browser, rng = served(session), np.random.default_rng(0)
@@ -84,15 +86,13 @@ def test_orders_and_questions_are_answered_at_once(
                 if not own.alive:
                     continue
                 piece, cell = own.name, int(rng.choice(cells))
-                times["look"].take(lambda piece=piece: ask(socket, "look", piece=piece, at=None))
-                times["thought"].take(
-                    lambda piece=piece, cell=cell: ask(socket, "look", piece=piece, at=cell)
-                )
+                times["look"].take(ask, socket, "look", piece=piece, at=None)
+                times["thought"].take(ask, socket, "look", piece=piece, at=cell)
                 fields = {"piece": piece, "to": cell, "from": None}
-                times["path"].take(lambda fields=fields: ask(socket, "path", **fields))
-                goal = f"{piece} go {session.game.roster.cell_name(cell)}"
+                times["path"].take(ask, socket, "path", **fields)
                 if own.doing in ("settled", "moving") and ask(socket, "path", **fields).get("cells"):
-                    times["order"].take(lambda piece=piece, goal=goal: order(piece, goal))
+                    goal = f"{piece} go {session.game.roster.cell_name(cell)}"
+                    times["order"].take(order, piece, goal)
             ask(socket, "step", to="decision")
             until_it_stands(socket, hear)
 
