@@ -18,6 +18,7 @@ from hexwar_sb3.engine.replay import Replay
 from hexwar_sb3.viewer.page import save_page
 from hexwar_sb3.viewer.story import CAMPS, VIEWS
 from tests.viewer.conftest import PARTED_AT
+from tests.viewer.states import mid_fight
 
 VIEWER = Path(__file__).parents[2] / "viewer"
 CHROMIUM = os.environ.get("CHROMIUM") or shutil.which("chromium") or shutil.which("chromium-browser")
@@ -49,7 +50,7 @@ def truth(replay: Replay, count: int, seed: int = 0) -> dict[str, Any]:
             views["referee"].append(_referee(game))
             for camp in CAMPS:
                 views[camp].append(_camp(game, camp))
-    return {"last": last, "views": views}
+    return {"last": last, "views": views, "fight": mid_fight(replay) - 100}
 
 
 def _referee(game: Game) -> dict[str, Any]:

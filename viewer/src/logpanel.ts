@@ -17,20 +17,30 @@ export function logPanel(panel: HTMLElement, scene: Scene, follow: boolean): voi
     buildLog(panel, scene);
   }
   const tick = scene.state.tick;
-  let now: HTMLElement | null = null;
-  for (const row of panel.querySelectorAll<HTMLElement>("#rows button")) {
-    const at = Number(row.dataset.tick);
-    row.classList.toggle("later", at > tick);
-    row.classList.remove("now");
-    if (at <= tick) now = row;
-  }
-  now?.classList.add("now");
-  if (now && follow && !panel.contains(document.activeElement)) keepInView(panel, now);
   const canvas = panel.querySelector<HTMLCanvasElement>("#luck");
   if (canvas) {
     drawLuck(canvas, scene.luck, scene.time, scene.game.last, scene.palette, scene.ratio);
     say(byId("lucky"), CAMPS.map((camp) => luckText(camp, scene.luck[camp], tick)).join(" "));
   }
+  const now = markRows(tick);
+  if (now && follow && !panel.contains(document.activeElement)) keepInView(panel, now);
+}
+
+let rows: { at: number; row: HTMLElement }[] = []; // of the log that is shown
+let past = 0; // how many of them have happened
+
+/** Grey what is still to come, and mark the last row that has happened; gives that row where it is another one than before. */
+function markRows(tick: number): HTMLElement | null {
+  const before = past;
+  while (past < rows.length && rows[past].at <= tick) past += 1;
+  while (past > 0 && rows[past - 1].at > tick) past -= 1;
+  for (const { row } of rows.slice(before, past)) row.classList.remove("later");
+  for (const { row } of rows.slice(past, before)) row.classList.add("later");
+  if (past === before) return null;
+  rows[before - 1]?.row.classList.remove("now");
+  const now = rows[past - 1]?.row ?? null;
+  now?.classList.add("now");
+  return now;
 }
 
 function keepInView(panel: HTMLElement, row: HTMLElement): void {
@@ -49,10 +59,12 @@ function buildLog(panel: HTMLElement, scene: Scene): void {
     });
     chips.append(chip);
   }
-  const rows = make("ul", { id: "rows" });
-  for (const one of scene.entries.filter((entry) => shownGroups.has(entry.group) && entry.shape !== "choice").slice(0, MOST_ROWS)) rows.append(logRow(scene, one));
+  const list = make("ul", { id: "rows" });
+  for (const one of scene.entries.filter((entry) => shownGroups.has(entry.group) && entry.shape !== "choice").slice(0, MOST_ROWS)) list.append(logRow(scene, one));
+  rows = [...list.querySelectorAll<HTMLElement>("button")].map((row) => ({ at: Number(row.dataset.tick), row }));
+  past = 0;
   const luck = scene.game.view === "referee" ? [make("canvas", { id: "luck", role: "img", "aria-label": "Luck of both camps over time" }), make("p", { id: "lucky", class: "small soft" })] : [];
-  panel.replaceChildren(chips, ...luck, rows);
+  panel.replaceChildren(chips, ...luck, list);
 }
 
 function luckText(camp: Camp, curve: LuckCurve | undefined, tick: number): string {
@@ -72,7 +84,7 @@ function logRow(scene: Scene, one: Entry): HTMLElement {
   const actor = /^(red|blue) (sees|loses|takes)/.test(one.text) ? 1 : 2;
   const text = make("span", {}, make("b", { class: `t-${one.camp}` }, words.slice(0, actor).join(" ")), ` ${words.slice(actor).join(" ")}`);
   if (one.luck !== null) text.append(make("span", { class: "luck" }, ` [${signed(one.luck, 1)}]`));
-  const row = make("button", { type: "button", "data-tick": String(one.tick) }, make("span", { class: "tick" }, String(one.tick)), icon, text);
+  const row = make("button", { type: "button", class: "later", "data-tick": String(one.tick) }, make("span", { class: "tick" }, String(one.tick)), icon, text);
   row.addEventListener("click", () => scene.seek(one.tick));
   row.addEventListener("pointerenter", () => scene.point(one));
   row.addEventListener("pointerleave", () => scene.point(null));

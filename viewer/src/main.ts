@@ -32,6 +32,7 @@ Object.assign(window, {
     at: (tick: number) => at(page, tick), show: (view: View) => page.show(view), seek: (tick: number) => page.seek(tick),
     play: (on: boolean) => page.play(on), costs: page.costs,
     open: (...numbers: number[]) => page.choose(numbers), parting: () => page.parting,
+    frame: (time: number, now: number) => page.drawAt(time, now),
     tokens: () => page.stages.filter((stage) => stage.isShown).map((stage) => stage.places),
   },
 });

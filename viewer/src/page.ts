@@ -270,6 +270,13 @@ export class Page extends Clock {
     if (this.costs.length > 5000) this.costs.splice(0, 1000);
   }
 
+  /** A frame of a game that plays: the same one on any machine. */
+  drawAt(time: number, now: number): void {
+    Object.assign(this, { time, playing: true });
+    this.draw(now);
+    this.playing = false;
+  }
+
   minds(): number[] {
     const key = `${this.game.view} ${this.picked?.index}`;
     if (this.mindKey !== key) [this.mindKey, this.mindTicks] = [key, mindsOf(this.game, this.picked)];
@@ -293,9 +300,8 @@ export class Page extends Clock {
     this.cover?.resized();
     if (!this.isOpen) return;
     for (const [k, stage] of this.stages.entries()) {
-      if (!stage.isShown) continue;
       stage.resize(this.ratio);
-      stage.renew(this.scene(k));
+      if (stage.isShown) stage.renew(this.scene(k));
     }
     this.ask();
   }

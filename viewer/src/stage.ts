@@ -48,6 +48,7 @@ export class Stage {
   private tokens: Token[] = [];
   private placed = ""; // camera of the last frame
   private drawn = false; // the terrain, at all
+  isShown = true; // of two games one may have no room; asked at a new size, as the answer takes its time
 
   /** k: 0 of the one game, or of the first; 1 of the game beside it, which is looked at through the same camera. */
   constructor(
@@ -67,11 +68,6 @@ export class Stage {
     return this.k > 0 ? `-${this.k + 1}` : "";
   }
 
-  /** Of two games one may have no room. */
-  get isShown(): boolean {
-    return byId(`stage${this.suffix}`).clientWidth > 0;
-  }
-
   /** The layers, the lowest first. */
   get canvases(): HTMLCanvasElement[] {
     return LAYERS.map((id) => this.contexts[id].canvas);
@@ -89,6 +85,8 @@ export class Stage {
 
   resize(ratio: number): void {
     const { clientWidth, clientHeight } = byId(`stage${this.suffix}`);
+    this.isShown = clientWidth > 0;
+    if (!this.isShown) return;
     for (const id of LAYERS) {
       const canvas = this.contexts[id].canvas;
       canvas.width = Math.round(clientWidth * ratio);

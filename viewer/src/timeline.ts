@@ -29,24 +29,30 @@ export class Timeline {
   private gameTicks = 1;
   private parting = -1; // tick at which the two part; -1 none
 
-  constructor(readonly canvas: HTMLCanvasElement) {}
+  private width = 0; // of the canvas, CSS pixels: to ask for it while texts change takes its time
+  private height = 0;
+
+  constructor(readonly canvas: HTMLCanvasElement) {
+    const measure = () => ([this.width, this.height] = [canvas.clientWidth, canvas.clientHeight]);
+    new ResizeObserver(measure).observe(canvas);
+  }
 
   show(curves: Curves, entries: Entry[], last: number, gameTicks: number, beside: Curves, parting: number): void {
     Object.assign(this, { curves, entries, last, gameTicks, beside, parting, key: "" });
   }
 
   x(tick: number): number {
-    return LEFT + (tick / Math.max(1, this.gameTicks)) * (this.canvas.clientWidth - LEFT - RIGHT);
+    return LEFT + (tick / Math.max(1, this.gameTicks)) * (this.width - LEFT - RIGHT);
   }
 
   tickAt(x: number): number {
-    const share = (x - LEFT) / (this.canvas.clientWidth - LEFT - RIGHT);
+    const share = (x - LEFT) / (this.width - LEFT - RIGHT);
     return Math.max(0, Math.min(this.last, Math.round(share * this.gameTicks)));
   }
 
   /** Names of what happened near a place on the track. */
   near(tick: number): Entry | null {
-    const reach = (6 / Math.max(1, this.canvas.clientWidth)) * this.gameTicks;
+    const reach = (6 / Math.max(1, this.width)) * this.gameTicks;
     const close = this.entries.filter((one) => (SHOWN.has(one.shape) || one.shape === "miss") && Math.abs(one.tick - tick) <= reach);
     const weight = (one: Entry) => ["point", "dead", "hit", "sight", "round", "refused", "miss"].indexOf(one.shape) * 1000 + Math.abs(one.tick - tick);
     return close.sort((a, b) => weight(a) - weight(b))[0] ?? null;
@@ -54,7 +60,8 @@ export class Timeline {
 
   draw(time: number, palette: Palette, ratio: number, muted: boolean): void {
     const { canvas } = this;
-    const [width, height] = [canvas.clientWidth, canvas.clientHeight];
+    if (this.width === 0) [this.width, this.height] = [canvas.clientWidth, canvas.clientHeight]; // at the first frame
+    const { width, height } = this;
     const key = [width, height, ratio, palette.dark, muted, this.loop?.join()].join(" ");
     if (canvas.width !== Math.round(width * ratio) || canvas.height !== Math.round(height * ratio)) {
       canvas.width = Math.round(width * ratio);
@@ -259,11 +266,14 @@ export function markName(shape: string): string {
 /** Luck of both camps: what their shots brought beyond what was to be expected, with one standard deviation around nothing. */
 export function drawLuck(canvas: HTMLCanvasElement, curves: Partial<Record<Camp, LuckCurve>>, time: number, last: number, palette: Palette, ratio: number): void {
   const [width, height] = [canvas.clientWidth, canvas.clientHeight];
-  canvas.width = width * ratio;
-  canvas.height = height * ratio;
+  if (canvas.width !== Math.round(width * ratio)) {
+    canvas.width = Math.round(width * ratio);
+    canvas.height = Math.round(height * ratio);
+  }
   const ctx = canvas.getContext("2d");
   if (!ctx) return;
   ctx.setTransform(ratio, 0, 0, ratio, 0, 0);
+  ctx.clearRect(0, 0, width, height);
   const x = (tick: number) => 4 + (tick / Math.max(1, last)) * (width - 8);
   const most = Math.max(5, ...CAMPS.flatMap((camp) => [...(curves[camp]?.sum.map(Math.abs) ?? []), ...(curves[camp]?.sigma ?? [])]));
   const y = (value: number) => height / 2 - (value / most) * (height / 2 - 4);

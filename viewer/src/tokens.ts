@@ -233,14 +233,28 @@ function rider(ctx: CanvasRenderingContext2D, one: Token, colour: string, palett
   letter(ctx, one.rider?.piece.letter ?? "", at, size, colour);
 }
 
+const widths = new Map<string, number>(); // of plates: to measure a text takes longer than to draw it
+const MOST_WIDTHS = 2000;
+
+function plateFont(size: number, weight: number): string {
+  return `${weight} ${size}px system-ui, -apple-system, "Segoe UI", sans-serif`;
+}
+
 export function plateWidth(ctx: CanvasRenderingContext2D, text: string, size: number, weight = 600): number {
-  ctx.font = `${weight} ${size}px system-ui, -apple-system, "Segoe UI", sans-serif`;
-  return ctx.measureText(text).width + size * 0.7;
+  const key = `${weight} ${size} ${text}`;
+  const known = widths.get(key);
+  if (known !== undefined) return known;
+  ctx.font = plateFont(size, weight);
+  const width = ctx.measureText(text).width + size * 0.7;
+  if (widths.size >= MOST_WIDTHS) widths.clear();
+  widths.set(key, width);
+  return width;
 }
 
 /** A text on a plate. */
 export function plate(ctx: CanvasRenderingContext2D, text: string, at: Point, size: number, palette: Palette, weight = 600): void {
   const width = plateWidth(ctx, text, size, weight);
+  ctx.font = plateFont(size, weight);
   ctx.textAlign = "center";
   ctx.textBaseline = "middle";
   ctx.beginPath();
