@@ -7,7 +7,7 @@ JOBS ?= 2
 # One thread a process: torch and numpy gain nothing from more, and the tests run side by side.
 export OMP_NUM_THREADS ?= 1
 
-.PHONY: setup links train test test-slow unit mutants lint type layers bench docs site examples notebooks viewer test-viewer
+.PHONY: setup links train test test-slow unit mutants lint type layers bench docs site examples notebooks viewer test-viewer pictures
 
 setup: links $(STAMP)
 
@@ -65,6 +65,11 @@ viewer/node_modules/.installed: viewer/package.json viewer/package-lock.json
 test-viewer: setup viewer
 	git diff --exit-code hexwar_sb3/viewer/built
 	SPEED=yes $(BIN)/python -m pytest -q -m browser tests/viewer tests/server
+
+# The pictures of docs/watch.md, of games that are played for them and of a training; look at each of them.
+RUN ?= runs/commander_1
+pictures: setup viewer
+	$(BIN)/python -m tests.viewer.pictures $(RUN)
 
 # docs/features.md is the feature table of the code; the tables of docs/rules.md are its rule tables,
 # and the server of `hexwar play` has all of it as a page.

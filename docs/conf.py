@@ -54,6 +54,7 @@ CONTENTS = """
 :caption: Guide
 :glob:
 
+docs/watch
 docs/play
 docs/rules
 docs/players
