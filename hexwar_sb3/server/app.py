@@ -217,8 +217,9 @@ class BriefConnection(H11Protocol):
     """A connection that is closed after a while, whatever it waits for, unless an answer or a socket is under way."""
 
     def connection_made(self, transport: Any) -> None:
-        """Begin to count."""
+        """Begin to count; a message is sent at once, also where the one before it was not acknowledged yet."""
         super().connection_made(transport)
+        transport.get_extra_info("socket").setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         self._end: Callable[[], Any] = self._wait().cancel
 
     def connection_lost(self, exc: Exception | None) -> None:
