@@ -34,6 +34,7 @@ include_patterns = [
     "docs/api/*.rst",
     "results/README.md",
     "examples/*.ipynb",
+    "examples/games/README.md",
 ]
 myst_heading_anchors = 3
 nb_execution_mode = "off"
@@ -75,6 +76,7 @@ docs/formats/*
 :glob:
 
 examples/*
+Sample games <examples/games/README>
 ```
 ```{toctree}
 :hidden:

@@ -9,6 +9,7 @@ from .matches import play_match as play_match
 from .opponents import broad_mixture as broad_mixture
 from .panel import Panel as Panel
 from .panel import play_panel as play_panel
+from .play_stats import PlayStats as PlayStats
 from .results import CampResult as CampResult
 from .results import MatchResult as MatchResult
 from .routes import measure_routes as measure_routes
