@@ -26,7 +26,7 @@ from hexwar_sb3.server.session import Session
 Begin = Callable[..., Session]
 Tools = tuple[Callable[..., Any], Callable[[Any], Any]]
 ORDER_SECONDS, LOOK_SECONDS = 0.05, 0.05  # 95th percentiles, process time
-MOST_SHARE = 0.5  # of a core, while the clock runs as fast as it can
+MOST_SHARE = 0.3  # of a core, while the clock runs as fast as it can
 
 pytestmark = pytest.mark.slow
 
