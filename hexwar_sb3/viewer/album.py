@@ -26,7 +26,7 @@ TITLE_CHARACTERS = 120
 class Clip:
     """A recorded game for a page of many, and what the page calls it."""
 
-    path: Path  # *.hwr
+    path: Path  # of a replay file
     name: str
     view: str = ALL
 

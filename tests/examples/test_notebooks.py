@@ -26,6 +26,14 @@ from tests.examples.notebooks import (
 )
 
 each_notebook = pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
+LONG = ("03_", "04_", "05_")  # a minute each; the others run in `make test`
+each_notebook_that_runs = pytest.mark.parametrize(
+    "path",
+    [
+        pytest.param(path, id=path.stem, marks=[pytest.mark.slow] if path.name.startswith(LONG) else [])
+        for path in NOTEBOOKS
+    ],
+)
 OF_A_MACHINE = ("/tmp", "/home", "/root", "/Users", "site-packages", "ipykernel", " at 0x", "Warning")  # noqa: S108
 
 
@@ -56,7 +64,7 @@ def test_the_outputs_of_a_notebook_hold_no_warning_and_nothing_of_a_machine(path
     assert [(sign, text) for text in texts for sign in OF_A_MACHINE if sign in text] == []
 
 
-@each_notebook
+@each_notebook_that_runs
 def test_a_notebook_runs_and_its_outputs_come_out_again(path: Path) -> None:
     notebook = load(path)
 
