@@ -193,8 +193,14 @@ try {
     check(await page.locator("#fallback img").isVisible(), "without scripts there is no picture");
     await context.close();
     await withoutUnpacking(browser);
-    const slow = await open(browser, fromFile(4), "four times slower", BARS.slowFirstFrameMs);
-    figures.slowFirstFrameMs = Math.round(slow.firstFrameMs);
+    const slow = []; // a wall clock with other processes beside it: the middle one of three
+    for (const name of ["once", "twice", "three times"]) {
+      const one = await open(browser, fromFile(4), `four times slower, ${name}`, Infinity);
+      slow.push(Math.round(one.firstFrameMs));
+      await one.context.close();
+    }
+    figures.slowFirstFrameMs = percentile(slow, 0.5);
+    check(figures.slowFirstFrameMs < BARS.slowFirstFrameMs, `four times slower: first frame after ${slow.join(", ")} ms`);
   }
 } finally {
   await browser.close();

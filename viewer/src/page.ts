@@ -349,11 +349,11 @@ export class Page extends Clock {
 
   /** Where there is little room and two games: the panel, or the map of the other one. */
   unfold(open: boolean): void {
-    const room = () => byId("stage").clientHeight + byId("stage-2").clientHeight;
+    const room = () => (this.stages.length > 0 ? byId("stage").clientHeight + byId("stage-2").clientHeight : 0); // asking costs a layout
     const before = room();
     byId("app").classList.toggle("open", open);
     byId("fold").setAttribute("aria-expanded", String(open));
-    if (this.stages.length > 0 && room() !== before) {
+    if (room() !== before) {
       this.resized();
       this.toPieces();
     }
