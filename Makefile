@@ -30,11 +30,11 @@ train: setup
 test: lint type layers unit
 
 unit: setup
-	$(BIN)/python -m pytest -n $(JOBS) -m "not slow"
+	$(BIN)/python -m pytest -n $(JOBS) --dist loadgroup -m "not slow"
 
 test-slow: lint type layers
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e ".[docs,ray]"
-	$(BIN)/python -m pytest -n $(JOBS)
+	$(BIN)/python -m pytest -n $(JOBS) --dist loadgroup
 
 # One change in the code at a time: do the tests see it? What they do not is in results/mutants.txt.
 mutants: setup

@@ -25,11 +25,10 @@ from hexwar_sb3.rules.indices import CellIndex, PieceIndex
 def known_pieces(camp: int, pieces: Rows, memory: Rows) -> Rows:
     """A copy of the pieces in which the enemies that the camp does not see are not there."""
     known = pieces.copy()
-    for i in range(known.size):
-        if known[i].camp != camp and not memory[camp, i].seen:
-            known[i].blood = 0
-            known[i].cell = NO_CELL
-            known[i].carrier = NO_PIECE
+    absent = np.flatnonzero((known.camp != camp) & (memory.seen[camp] == 0))
+    known.blood[absent] = 0
+    known.cell[absent] = NO_CELL
+    known.carrier[absent] = NO_PIECE
     return known
 
 

@@ -14,7 +14,6 @@ from hexwar_sb3.engine.order_rows import GAP
 from hexwar_sb3.engine.orders import Order, verb
 from hexwar_sb3.engine.pieces import (
     count_in,
-    has_path,
     hop_from,
     hop_progress,
     in_fight,
@@ -171,7 +170,7 @@ def doing(piece: Row) -> str:
         return "getting on" if piece.board_kind == BOARD_ON else "getting off"
     if piece.decompress_ends != NEVER:
         return "decompressing"
-    if has_path(piece):
+    if piece.path_pos < piece.path_len:
         return "moving"
     return "stopping" if piece.stop_ends != NEVER else "settled"
 

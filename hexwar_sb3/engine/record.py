@@ -64,7 +64,7 @@ class Recorder:
         """
         game, pieces, memory, _, _, orders, _ = state.game(b)
         self.note_states(state, b, int(game.tick))
-        ordered = [i for i in range(orders.size) if orders[i].kind != Action.NULL]
+        ordered = np.flatnonzero(orders.kind != Action.NULL).tolist()
         self._given = self._read(ordered, orders, pieces) | (given or {})
         clock = game.copy()
         self._advisors = [Advisor(camp, clock, pieces, memory, self.world) for camp in SIDES if ordered]

@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass, field, fields, is_dataclass
 from typing import Any
 
-from hexwar_sb3.engine.pieces import has_path, in_motion, next_cell_of
+from hexwar_sb3.engine.pieces import next_cell_of
 from hexwar_sb3.engine.reasons import doing, kind_name
 from hexwar_sb3.engine.records import (
     NEVER,
@@ -26,6 +26,7 @@ from hexwar_sb3.engine.world import World
 from hexwar_sb3.errors import UnknownNameError
 from hexwar_sb3.kernels import Row
 from hexwar_sb3.maps.hexmap import HexMap
+from hexwar_sb3.records import plain
 from hexwar_sb3.rules.compiled import NO_POOL
 from hexwar_sb3.rules.enums import Weapon
 from hexwar_sb3.rules.indices import CampIndex
@@ -229,35 +230,43 @@ def known_now(camp: CampIndex, state: State, b: int, world: World) -> dict[str, 
     return _Viewer(camp, state, b, world).known_now()
 
 
+_WEAPONS = tuple(weapon.name for weapon in Weapon)
+
+
 class _Viewer:
     """Reads one game for one camp."""
 
     def __init__(self, camp: CampIndex, state: State, b: int, world: World) -> None:
         self.camp, self.world = camp, world
-        self.game, self.pieces, self.memory, self.paths, self.rounds, *_ = state.game(b)
+        self.game = state.games[b]
+        self.tick = int(self.game.tick)
+        self.rows, self.all_known = state.pieces[b], state.memory[b]  # as kernels read them
+        self.pieces, self.known = plain(self.rows), plain(self.all_known[camp])
+        self.paths, self.rounds = state.paths[b], plain(state.rounds[b])
+        self.pools = world.rules.pool[0].tolist()  # [kind][weapon]
         self.roster = Roster(world.scenario)
         self.own = self.roster.pieces_of(camp)
         self.enemies = self.roster.pieces_of(enemy_of(camp))
 
     def view(self) -> SideView:
-        game, pieces, memory, rules = self.game, self.pieces, self.memory, self.world.rules[0]
+        game, rules = self.game, self.world.rules[0]
         return SideView(
             camp=camp_name(self.camp),
-            tick=int(game.tick),
-            ticks_left=int(game.end_tick - game.tick),
+            tick=self.tick,
+            ticks_left=int(game.end_tick) - self.tick,
             over=bool(game.over),
             own=tuple(self._own(i) for i in self.own),
-            seen=tuple(self._seen(i) for i in self.enemies if self._known(i).seen),
+            seen=tuple(self._seen(i) for i in self.enemies if self.known[i].seen),
             lost=tuple(
-                self._lost(i) for i in self.enemies if not (self._known(i).seen or self._never_seen(i))
+                self._lost(i) for i in self.enemies if not (self.known[i].seen or self._never_seen(i))
             ),
             unseen=tuple(self._unseen(i) for i in self.enemies if self._never_seen(i)),
             points=tuple(self._point(k) for k in range(game.n_points)),
             rounds=tuple(self._round(r) for r in self.rounds if self._is_own_round(r)),
             bursting=self._bursting(),
             fights=self._fights(),
-            own_total=int(own_total(game, pieces, self.camp, rules)),
-            known_margin=int(known_margin(game, pieces, memory, self.camp, rules)),
+            own_total=int(own_total(game, self.rows, self.camp, rules)),
+            known_margin=int(known_margin(game, self.rows, self.all_known, self.camp, rules)),
             hexmap=self.world.scenario.hexmap,
         )
 
@@ -268,7 +277,7 @@ class _Viewer:
         return {
             "pieces": [*own, *enemies],
             "owners": [camp_name(owner) for owner in game.point_owner[: game.n_points]],
-            "known_margin": int(known_margin(game, self.pieces, self.memory, self.camp, rules)),
+            "known_margin": int(known_margin(game, self.rows, self.all_known, self.camp, rules)),
             "bursting": list(self._bursting()),
             "fights": list(self._fights()),
         }
@@ -279,7 +288,7 @@ class _Viewer:
         return [self.roster.names[i], self._cell(piece.cell), *states, self._name(piece.carrier), 1]
 
     def _enemy_now(self, i: int) -> list[Any]:
-        piece, known = self.pieces[i], self._known(i)
+        piece, known = self.pieces[i], self.known[i]
         if known.seen:
             states = int(piece.blood), int(piece.hidden), int(piece.suppressed)
             return [self.roster.names[i], self._cell(piece.cell), *states, None, 1]
@@ -309,12 +318,12 @@ class _Viewer:
             decompress_left=self._left(piece.decompress_ends),
             aboard=self._name(piece.carrier),
             passenger=self._name(piece.passenger),
-            sees=tuple(self.roster.names[j] for j in self.enemies if int(piece.sees) >> j & 1),
+            sees=tuple(self.roster.names[j] for j in self.enemies if piece.sees >> j & 1),
         )
 
     def _seen(self, i: int) -> SeenEnemy:
         piece = self.pieces[i]
-        next_cell = next_cell_of(piece, self.paths[i], self.world.cells)
+        next_cell = next_cell_of(self.rows[i], self.paths[i], self.world.cells)
         return SeenEnemy(
             name=self.roster.names[i],
             kind=kind_name(piece.kind),
@@ -323,41 +332,40 @@ class _Viewer:
             blood=int(piece.blood),
             hidden=bool(piece.hidden),
             suppressed=bool(piece.suppressed),
-            moving=bool(in_motion(piece)),
+            moving=_has_path(piece) or piece.stop_ends != NEVER,
             speed=_speed(piece),
-            seen_since=int(self._known(i).first_tick),
+            seen_since=self.known[i].first_tick,
         )
 
     def _lost(self, i: int) -> LostEnemy:
-        known = self._known(i)
+        known = self.known[i]
         return LostEnemy(
             name=self.roster.names[i],
             kind=kind_name(self.pieces[i].kind),
             cell=self._cell(known.cell),
             blood=int(known.blood),
-            unseen_ticks=int(self.game.tick - known.tick),
+            unseen_ticks=self.tick - known.tick,
         )
 
     def _unseen(self, i: int) -> UnseenEnemy:
         return UnseenEnemy(name=self.roster.names[i], kind=kind_name(self.pieces[i].kind))
 
-    def _known(self, i: int) -> Row:
-        return self.memory[self.camp, i]
-
     def _never_seen(self, i: int) -> bool:
-        return bool(self._known(i).cell == NO_CELL)
+        return bool(self.known[i].cell == NO_CELL)
 
     def _path(self, i: int) -> list[str]:
-        piece, cells = self.pieces[i], self.world.cells
-        names, here = [], int(piece.cell)
-        for direction in self.paths[i][piece.path_pos : piece.path_len]:
-            here = int(cells[here].neighbour[direction])
+        piece = self.pieces[i]
+        if not _has_path(piece):
+            return []
+        names, here, neighbour = [], piece.cell, self.world.cells.neighbour
+        for direction in self.paths[i, piece.path_pos : piece.path_len].tolist():
+            here = neighbour[here, direction]
             names.append(self._cell(here))
         return names
 
     def _ammo(self, piece: Row) -> list[tuple[str, int]]:
-        pools = self.world.rules[0].pool[piece.kind]
-        return [(w.name, int(piece.ammo[pools[w]])) for w in Weapon if pools[w] != NO_POOL]
+        ammo, pools = piece.ammo.tolist(), self.pools[piece.kind]
+        return [(name, ammo[pool]) for name, pool in zip(_WEAPONS, pools, strict=True) if pool != NO_POOL]
 
     def _point(self, k: int) -> PointView:
         point = self.world.scenario.points[k]
@@ -384,7 +392,7 @@ class _Viewer:
         return tuple(sorted(self._cell(c) for c in self.game.fight_cell if c != NO_CELL))
 
     def _left(self, ends: int) -> int:
-        return 0 if ends == NEVER else max(0, int(ends) - int(self.game.tick))
+        return 0 if ends == NEVER else max(0, ends - self.tick)
 
     def _cell(self, cell: int) -> str:
         return self.roster.cell_name(cell)
@@ -393,10 +401,15 @@ class _Viewer:
         return None if i == NO_PIECE else self.roster.short(i)
 
 
+def _has_path(piece: Row) -> bool:
+    """As `pieces.has_path`, of a record that is a tuple."""
+    return bool(piece.path_pos < piece.path_len)
+
+
 def _speed(piece: Row) -> float:
     """Cells a tick while hopping, 0 otherwise."""
-    hopping = has_path(piece) and piece.arrives_at != NEVER
-    return 1.0 / int(piece.hop_need) if hopping else 0.0
+    hopping = _has_path(piece) and piece.arrives_at != NEVER
+    return 1.0 / piece.hop_need if hopping else 0.0
 
 
 def _plain(value: object) -> object:

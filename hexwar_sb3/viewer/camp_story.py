@@ -8,6 +8,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import numpy as np
+
 from hexwar_sb3.engine.game import Game
 from hexwar_sb3.engine.game_events import GameEvent
 from hexwar_sb3.engine.known_events import DICE, is_known
@@ -53,10 +55,13 @@ class CampTeller:
 
     def _fingerprint(self, game: Game) -> bytes:
         """Bytes of all that a view is made of, but the clock."""
-        row, pieces, memory, paths, rounds, *_ = game.state.game(0)
-        own = game.world.side(self.side)
-        shown = rounds[(rounds.camp == self.side) | (rounds.status == ROUND_BURSTING)]
-        parts = (pieces[own], paths[own], memory[self.side], shown, row.point_owner, row.fight_cell)
+        state, own = game.state, game.world.side(self.side)
+        row, pieces, memory, rounds = (  # not as records, which are slow to take apart
+            np.asarray(rows)[0] for rows in (state.games, state.pieces, state.memory, state.rounds)
+        )
+        shown = rounds[(rounds["camp"] == self.side) | (rounds["status"] == ROUND_BURSTING)]
+        known = pieces[own], state.paths[0, own], memory[self.side]
+        parts = (*known, shown, row["point_owner"], row["fight_cell"])
         return b"".join(part.tobytes() for part in parts)
 
     def document(self, lines: Sequence[Line]) -> Json:

@@ -58,13 +58,15 @@ def ground(hexmap: HexMap, cell: float = CELL) -> Image.Image:
     image = Image.new("RGB", size, RIM)
     pen = ImageDraw.Draw(image)
     step = max(1, int(hexmap.elev_m.max())) / (len(_GROUND) - 1)
+    angles, size_of_cell = np.radians(np.arange(-90, 270, 60)), 1.08 * cell / np.sqrt(3) + 0.6
+    corners = size_of_cell * np.array([np.cos(angles), np.sin(angles)]).T
     for number in map(int, np.flatnonzero(hexmap.playable)):
-        x, y = place_of(number, hexmap, cell)
+        outline = np.add(corners, place_of(number, hexmap, cell))
         colour = _GROUND[round(int(hexmap.elev_m.flat[number]) / step)]
         for layer, other in ((hexmap.slushy, _MARSH), (hexmap.concealed, _FOREST), (hexmap.paved, _ROAD)):
             colour = other if layer.flat[number] else colour
         colour = colour if hexmap.passable.flat[number] else _LAKE
-        pen.regular_polygon((x, y, 1.08 * cell / np.sqrt(3) + 0.6), 6, rotation=0, fill=colour)
+        pen.polygon(outline.ravel().tolist(), fill=colour)
     return image
 
 

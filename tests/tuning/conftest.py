@@ -25,6 +25,13 @@ def spec(tmp_path: Path) -> StudySpec:
     return StudySpec(folder=tmp_path / "small", common=SMALL, sampler="random", pruner="none")
 
 
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Tests that look at the finished study run in one process, so that it is made once."""
+    for item in items:
+        if "finished" in getattr(item, "fixturenames", ()):
+            item.add_marker(pytest.mark.xdist_group("finished study"))
+
+
 @pytest.fixture(scope="session")
 def finished(tmp_path_factory: pytest.TempPathFactory) -> StudySpec:
     """Three trials, none of them pruned."""

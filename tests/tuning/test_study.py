@@ -57,9 +57,9 @@ def test_a_trial_leaves_its_preset_and_policies_as_artifacts(finished: StudySpec
 def test_a_study_that_goes_on_is_the_unbroken_one(finished: StudySpec, spec: StudySpec) -> None:
     """The same seed and one worker: the same trials."""
     run_study(spec, 1, say=lambda _: None)
-    run_study(spec, 3, say=lambda _: None)
+    run_study(spec, 2, say=lambda _: None)
 
-    assert shape(begin(spec)) == shape(begin(finished))
+    assert shape(begin(spec)) == shape(begin(finished))[:2]
 
 
 def test_a_finished_study_is_left_alone(finished: StudySpec) -> None:
@@ -133,14 +133,14 @@ def test_a_killed_trial_comes_again_and_none_is_stuck(spec: StudySpec) -> None:
 
     thread = threading.Thread(target=kill_one)
     thread.start()
-    run_study(spec, 3, workers=2, say=lambda _: None)
+    run_study(spec, 2, workers=2, say=lambda _: None)
     thread.join()
 
     trials = begin(spec).trials
     states = [one.state for one in trials]
-    assert states.count(TrialState.COMPLETE) == ended(trials) == 3
+    assert states.count(TrialState.COMPLETE) == ended(trials) == 2
     assert states.count(TrialState.FAIL) == 1
-    assert len(trials) == 4
+    assert len(trials) == 3
     again = [one for one in trials if AGAIN in one.user_attrs]
     assert [one.user_attrs[AGAIN] for one in again] == killed
     assert again[0].params == trials[killed[0]].params

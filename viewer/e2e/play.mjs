@@ -55,7 +55,14 @@ async function until(page, what, holds, ...args) {
 
 const waits = (page, piece, part) => until(page, `${piece}: expected ${part} in the tray`, ([piece, part]) => JSON.stringify([window.hexwar.session().state.tray[piece], window.hexwar.session().state.plans[piece]]).includes(part), piece, part);
 const nothingWaits = (page, piece) => until(page, `${piece}: expected no order`, ([piece]) => !window.hexwar.session().state.tray[piece] && !window.hexwar.session().state.plans[piece], piece);
-const stands = (page) => until(page, "expected the clock to stand", () => !window.hexwar.session().state.clock.running);
+
+/** Let the clock run by `start`, and wait until it stands at another tick, or the game is over. */
+async function runs(page, start) {
+  const before = await tick(page);
+  await start();
+  const stands = ([before]) => (window.hexwar.session().tick > before && !window.hexwar.session().state.clock.running) || document.querySelector("#ending[open]") !== null;
+  await page.waitForFunction(stands, [before], { timeout: 60_000 });
+}
 
 /** What axe finds that is serious. */
 async function readable(page, name) {
@@ -150,17 +157,13 @@ async function mouse(context) {
   await waits(page, "chariot0", "indirect-shoot");
   await readableEverywhere(page);
 
-  await page.click("#go");
-  await stands(page);
+  await runs(page, () => page.click("#go"));
   await clickOn(page, await token(page, "red:tank0"));
   await hoverOn(page, await token(page, "blue:soldier0"));
   await page.waitForTimeout(300);
   await picture(page, "fight");
-  await page.click("#one");
-  await stands(page);
-  for (let k = 0; k < MOST_RUNS && !(await isOver(page)); k++) {
-    await again(page, () => page.click("#go"));
-  }
+  await runs(page, () => page.click("#one"));
+  for (let k = 0; k < MOST_RUNS && !(await isOver(page)); k++) await runs(page, () => page.click("#go"));
   await ended(page);
   await sameStory(context, page);
   await page.click("#after");
@@ -204,14 +207,6 @@ async function takeBack(page) {
   await until(page, "expected an order to be taken back", ([left]) => window.hexwar.session().state.undo < left, left);
 }
 
-/** Let the clock run once more, and wait until it stands or the game is over. */
-async function again(page, start) {
-  await start();
-  await page.waitForTimeout(200);
-  await page.waitForFunction(() => !window.hexwar.session().state.clock.running, null, { timeout: 60_000 });
-  await page.waitForTimeout(200);
-}
-
 async function ended(page) {
   check(await isOver(page), "the game does not end");
   await page.waitForTimeout(300);
@@ -242,8 +237,7 @@ async function keys(context) {
   check(!(await page.locator("#first[open]").isVisible()), "the help does not close by Enter");
   await press("1", "ArrowRight", "ArrowRight", "ArrowRight");
   await until(page, "expected a way at the cursor", () => window.hexwar.aimed()?.preview?.cells.length === 3);
-  await page.waitForTimeout(400);
-  check((await text(page, "live")).includes("3635"), `the cursor is not told: ${await text(page, "live")}`);
+  await until(page, "expected the cursor to be told", () => document.getElementById("live").innerText.includes("3635"));
   await press("Enter");
   await waits(page, "tank0", `go ${MAIN}`);
   await press("Backspace");
@@ -251,9 +245,9 @@ async function keys(context) {
   await press("ArrowRight", "ArrowRight", "ArrowRight", "Enter");
   await waits(page, "tank0", `go ${MAIN}`);
   await press("ArrowUp", "Shift+Enter");
-  await page.waitForTimeout(200);
-  check(JSON.stringify(await plans(page)).split("go ").length > 2, "shift Enter plans nothing more");
+  await until(page, "expected shift Enter to plan one more", () => JSON.stringify(window.hexwar.session().state.plans).split("go ").length > 2);
   await press("Backspace");
+  await until(page, "expected one plan", () => JSON.stringify(window.hexwar.session().state.plans).split("go ").length === 2);
   await type("then tank0 occupy");
   await waits(page, "tank0", "tank0 occupy");
   await press("2", "m");
@@ -270,16 +264,15 @@ async function keys(context) {
   check(await page.locator("#when[open]").isVisible(), "p does not show when the clock stops");
   await press("Escape", "?");
   check(await page.locator("#keys[open]").isVisible(), "? does not show the keys");
-  await press("Escape", "Enter"); // give the orders and run
-  await stands(page);
+  await press("Escape");
+  await runs(page, () => press("Enter")); // give the orders and run
   const before = await tick(page);
-  await press(".");
-  await stands(page);
+  await runs(page, () => press("."));
   check((await tick(page)) === before + 1, `one tick more than ${before} is ${await tick(page)}`);
   await press("Home");
-  check((await text(page, "tick")) === "0", "Home does not look back");
+  await until(page, "expected Home to look back", () => document.getElementById("tick").innerText === "0");
   await press("End");
-  for (let k = 0; k < MOST_RUNS && !(await isOver(page)); k++) await again(page, () => press(k % 2 ? "Enter" : "d"));
+  for (let k = 0; k < MOST_RUNS && !(await isOver(page)); k++) await runs(page, () => press(k % 2 ? "Enter" : "d"));
   await ended(page);
   await press("Enter"); // on the link to all of it
   await page.waitForFunction(() => location.pathname === "/after", null, { timeout: 20_000 });
@@ -350,9 +343,7 @@ async function phone(context) {
   await waits(page, "tank0", `go ${MAIN}`);
   await picture(page, "phone-tray");
   await readableEverywhere(page);
-  await page.tap("#go");
-  await until(page, "expected the clock to run", () => window.hexwar.session().tick > 0);
-  await stands(page);
+  await runs(page, () => page.tap("#go"));
   await picture(page, "phone-stop");
 }
 
@@ -384,7 +375,7 @@ async function typed(page, line) {
 
 /** Give orders, and let the clock run from stop to stop until a tick. */
 async function playTo(page, wanted) {
-  while ((await tick(page)) < wanted) await again(page, () => page.keyboard.press("Enter"));
+  while ((await tick(page)) < wanted) await runs(page, () => page.keyboard.press("Enter"));
   await page.waitForTimeout(400);
 }
 
@@ -457,7 +448,7 @@ async function sample(context) {
   for (let k = 0; k < MOST_STOPS && !(await isOver(page)); k++) {
     const idle = await page.evaluate(() => [...document.querySelectorAll(".pick-row button")].map((one) => one.id.slice("pick-".length)).filter((name) => window.hexwar.session().isIdle(name)));
     for (const name of idle) await act(page, name, goals[name]);
-    await again(page, () => page.click("#go"));
+    await runs(page, () => page.click("#go"));
   }
   check(await isOver(page), "the game does not end");
   figures.result = await page.evaluate(() => window.hexwar.session().over?.result);
