@@ -44,7 +44,9 @@ class State:
     def game(self, b: int) -> tuple[Row | Rows, ...]:
         """Game b's rows, in the order in which kernels take them."""
         arrays = (self.games, self.pieces, self.memory, self.paths, self.rounds, self.orders, self.log)
-        return tuple(np.ndarray.__getitem__(rows, b) for rows in arrays)  # a recarray's own takes ten times as long
+        return tuple(
+            np.ndarray.__getitem__(rows, b) for rows in arrays
+        )  # a recarray's own takes ten times as long
 
     def copy_from(self, other: State, b: int, other_b: int) -> None:
         """Make game b equal to a game of another batch (the log excepted)."""
