@@ -18,6 +18,7 @@ from hexwar_sb3.commands.exploit import Exploit
 from hexwar_sb3.commands.hotspots import Hotspots
 from hexwar_sb3.commands.maps import Maps
 from hexwar_sb3.commands.play import Play
+from hexwar_sb3.commands.policies import Export, Import
 from hexwar_sb3.commands.selfplay import SelfPlay
 from hexwar_sb3.commands.stats import Stats
 from hexwar_sb3.commands.tournament import Tournament
@@ -35,6 +36,8 @@ COMMANDS: dict[str, Callable[..., Any]] = {
     "selfplay": SelfPlay,
     "distill": Distill,
     "exploit": Exploit,
+    "export": Export,
+    "import": Import,
     "tune": Tune,
     "watch": Watch,
     "play": Play,

@@ -16,13 +16,13 @@ from hexwar_sb3.engine.fields import check_form, check_names, check_range
 from hexwar_sb3.errors import ConfigError
 from hexwar_sb3.policies.shapes import TaskShapes
 from hexwar_sb3.rules.enums import PieceType
-from hexwar_sb3.tasks.features import index, sizes
+from hexwar_sb3.tasks.features import feature_index, sizes
 from hexwar_sb3.tasks.records import TaskKind
 
 LAST_START = 15  # an order begins after 0 to so many decisions
 LENGTHS = (6, 23)  # and lasts so many
-_TYPES = index("obs", 1, 1, 1)["self: type"]
-_HOLD = index("row", 1, 1, 1)["task: kind"].start + TaskKind.HOLD
+_TYPES = feature_index("obs", 1, 1, 1)["self: type"]
+_HOLD = feature_index("row", 1, 1, 1)["task: kind"].start + TaskKind.HOLD
 _MOST_DECISIONS = 1 << 30
 
 

@@ -139,7 +139,7 @@ def one_line_errors(arguments: Sequence[str], command: Any = None) -> Iterator[N
         if not end.code:
             raise
         _find_unknown(arguments, command)
-        raise ConfigError(_first_part(said.getvalue())) from end
+        raise ConfigError(_in_words(_first_part(said.getvalue()))) from end
 
 
 def _find_unknown(arguments: Sequence[str], command: Any) -> None:
@@ -150,6 +150,24 @@ def _find_unknown(arguments: Sequence[str], command: Any) -> None:
         flag = argument.partition("=")[0].replace("_", "-")
         if flag.startswith("--") and flag not in flags and f"--{flag[5:]}" not in flags:
             raise UnknownNameError("flag", argument.partition("=")[0], flags)
+
+
+def _in_words(said: str) -> str:
+    """What tyro says of a value that is none, in the words of our errors; other texts as they are."""
+    for pattern, kinds in _NOT_READ:
+        if matched := re.match(rf"Error parsing (-[/\w-]+): {pattern}", said):
+            found, names = matched["found"], (kinds or matched["kinds"]).split("|")
+            expected = " or ".join(_KINDS.get(name, name) for name in sorted(names, key="{None}".__eq__))
+            return f"{matched[1]} must be {expected}, got {found}"
+    return said
+
+
+_NOT_READ = (
+    (r"no type matching (?P<kinds>\S+) could be instantiated from \[(?P<found>[^\]]*)\]", ""),
+    (r"invalid literal for int\(\) with base 10: (?P<found>.+)", "INT"),
+    (r"could not convert string to float: (?P<found>.+)", "FLOAT"),
+)
+_KINDS = {"INT": "a whole number", "FLOAT": "a number", "{None}": "None", "PATH": "a path", "STR": "a text"}
 
 
 def _first_part(box: str) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import secrets
 import sys
 import tempfile
@@ -11,7 +12,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, fields
 from importlib.util import find_spec
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal, cast
 
 import tyro
 
@@ -23,6 +24,7 @@ from hexwar_sb3.errors import ConfigError
 
 if TYPE_CHECKING:
     from hexwar_sb3.server.ladder import Ladder
+    from hexwar_sb3.server.partial import Partial
     from hexwar_sb3.server.session import Session
 
 NEEDED = ("starlette", "uvicorn", "websockets")
@@ -100,7 +102,15 @@ class Play:
 
         check_whole("--port", self.port, least=0, most=MOST_PORT)
         session = self._begun() if self.resume is None else self._resumed(self.resume)
-        server = Server(session, self.port)
+        try:
+            server = Server(session, self.port)
+        except OSError as error:
+            if self.resume is None:
+                cast("Partial", session.record).remove()  # a game that nobody began
+            said = (
+                f"--port {self.port}: {os.strerror(error.errno or 0)}; without it any that is free is taken"
+            )
+            raise ConfigError(said) from error
         warm_up(session.setup)
         print(f"{_welcome(session)}\n{server.guard.address}", flush=True)
         try:

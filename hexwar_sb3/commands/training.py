@@ -61,6 +61,7 @@ def train(settings: TrainSettings, model: QMIX, folder: RunFolder) -> int:
         return INTERRUPTED
     model.save(folder.model)
     del model.replay_buffer  # 1 GB that the games of the page can have
+    print("trained; now the games of the page: about half a minute", file=sys.stderr)
     opponent = settings.named_opponents[0]
     write_games(
         folder.policy, opponent, settings.evaluation(), folder.replays, f"against_{Path(opponent).name}"

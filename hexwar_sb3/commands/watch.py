@@ -73,7 +73,8 @@ class Watch:
         if self.json:
             print_json({"file": str(file), "verified": self.verify, **figures(replay)})
         else:
-            print("\n".join([*event_lines(replay), result_line(replay)]))
+            lines = [] if written else event_lines(replay)
+            print("\n".join([*lines, result_line(replay)]))
             if self.verify:
                 print("verified: played again, every state is the same")
         return 0

@@ -5,8 +5,11 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
+
+from filelock import FileLock, Timeout
 
 from hexwar_sb3.cache import cache
 from hexwar_sb3.kernels import compiles, source_hash, sources_of, toolchain
@@ -17,6 +20,7 @@ _END_WITH_PARENT = (
     "import os, threading; "
     "threading.Thread(target=lambda: os.read(0, 1) or os._exit(1), daemon=True).start(); "
 )
+LOCK = "compiling.lock"  # in the cache folder
 _PARTS = ("play", "look")  # about 80 and 25 s of one core
 
 
@@ -32,13 +36,31 @@ def prepare(say: Callable[[str], object]) -> None:
     if not compiles():
         return
     if not _is_prepared():
-        if cache().place is None:
+        place = cache().place
+        if place is None:
             say("compiling the game for this process alone: about two minutes")
             return
-        say("compiling the game for this machine and this Python, once: about two minutes")
-        if _compile():
-            cache().keep(toolchain(), _marker(), "\n".join(_kernels()).encode())
+        with _alone(place / LOCK, say):
+            if not _is_prepared():  # who held the lock may have done it
+                say("compiling the game for this machine and this Python, once: about two minutes")
+                if _compile():
+                    cache().keep(toolchain(), _marker(), "\n".join(_kernels()).encode())
     cache().prune()
+
+
+@contextmanager
+def _alone(path: Path, say: Callable[[str], object]) -> Iterator[None]:
+    """Wait until no other process compiles: two of them would need twice as long, each for the same."""
+    lock = FileLock(path)
+    try:
+        lock.acquire(blocking=False)
+    except Timeout:
+        say("another process is compiling the game; waiting for it")
+        lock.acquire()
+    try:
+        yield
+    finally:
+        lock.release()
 
 
 def _marker() -> str:

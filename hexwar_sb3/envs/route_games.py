@@ -26,12 +26,12 @@ from hexwar_sb3.players.fit import check_fit, check_tasks
 from hexwar_sb3.players.frozen_lower import FrozenLower, Lower
 from hexwar_sb3.players.player import BotPlayer, Player, given_name, make_player
 from hexwar_sb3.rules.enums import Camp
-from hexwar_sb3.tasks.features import PER_HOP, index
+from hexwar_sb3.tasks.features import PER_HOP, feature_index
 from hexwar_sb3.tasks.records import ENDED, TaskKind
 from hexwar_sb3.tasks.route import N_ANSWERS, STAY, new_route_buffers
 
 DROP_SHARE = 0.5  # of such walks of a chariot: it sets its passenger down, who else would hardly ever walk
-_WAY = index("route", 1, 1, 1)["goal: way"].start
+_WAY = feature_index("route", 1, 1, 1)["goal: way"].start
 _TASK_FIELDS = ("kind", "target", "cell")
 
 

@@ -43,13 +43,13 @@ from hexwar_sb3.players.player import (
 )
 from hexwar_sb3.rules.enums import Camp
 from hexwar_sb3.rules.indices import CampIndex
-from hexwar_sb3.tasks.features import BOUND, index
+from hexwar_sb3.tasks.features import BOUND, feature_index
 from hexwar_sb3.tasks.records import MAX_TASKS
 
 Obs = dict[str, NDArray[Any]]
 
 CAMPS_OF = {"red": ("red",), "blue": ("blue",), "both": ("red", "blue")}  # that a side stands for
-_UNDER_WAY = index("row", 1, 1, 1)["task: under way"].start  # column of a task row
+_UNDER_WAY = feature_index("row", 1, 1, 1)["task: under way"].start  # column of a task row
 
 _DEMO_STREAM, _WARM_STREAM = 2, 3  # of an episode's draws; 1 is the opponent's
 

@@ -10,17 +10,23 @@ from math import isfinite
 from hexwar_sb3.errors import ConfigError
 from hexwar_sb3.maps.files import load_scenario
 from hexwar_sb3.maps.scenario import Scenario, ScenarioLike
+from hexwar_sb3.players.frozen import FrozenPolicy
+from hexwar_sb3.players.player import POLICIES
 from hexwar_sb3.rules.enums import Camp
+from hexwar_sb3.rules.ruleset import default_rules
 
 OPPONENTS = ("MA1=6", "MA2=6", "drawn=3", "drawn-plan=3", "nearest", "defender", "all-main", "half-half")
 """Scripted players of both kinds, known ones and others in each game: who learns against them holds against more."""
-LEARNED_OPPONENT = "HRL0=2"  # a trained policy beside them, for line-ups like that of "plain"
+LEARNED, WEIGHT_OF_LEARNED = (
+    "HRL0",
+    2,
+)  # a trained policy beside them, for the rules and line-ups of its training
 SELF = "self"  # an opponent of a training: copies of what it was before
 WEIGHT = re.compile(r"(.+)=([0-9.]+(?:[eE][-+]?[0-9]+)?)", re.DOTALL)
 
 
 def broad_mixture(scenario: ScenarioLike) -> tuple[str, ...]:
-    """Opponents of a training where none is named; the trained policy is among them where it fits.
+    """Opponents of a training where none is named; the trained policy is among them where rules and scenario are like its own.
 
     Raises:
         UnknownNameError: there is no such scenario.
@@ -30,7 +36,14 @@ def broad_mixture(scenario: ScenarioLike) -> tuple[str, ...]:
         >>> broad_mixture("hills")[-1]
         'HRL0=2'
     """
-    return (*OPPONENTS, *((LEARNED_OPPONENT,) if sizes(scenario) == sizes("plain") else ()))
+    fits = sizes(scenario) == sizes("plain") and _knows_the_rules(LEARNED)
+    return (*OPPONENTS, *((f"{LEARNED}={WEIGHT_OF_LEARNED}",) if fits else ()))
+
+
+@cache
+def _knows_the_rules(policy: str) -> bool:
+    """Whether a built-in policy was trained under the rules of today; who changes them trains it anew."""
+    return FrozenPolicy.load(POLICIES[policy]).about["rules"] == default_rules().hash
 
 
 @cache

@@ -88,7 +88,7 @@ class Document:
         try:
             return parse_cell(name, width, height)
         except ConfigError as problem:
-            self.fail(self.at(key), shown(name), shortened(str(problem)))
+            self.fail(self.at(key), shown(name), f"a cell of the map; {shortened(str(problem))}")
 
     def flag(self, key: str) -> bool:
         """True or false; false if absent."""

@@ -1,7 +1,10 @@
 from .frozen import FrozenPolicy as FrozenPolicy
 from .frozen_lower import FrozenLower as FrozenLower
 from .frozen_lower import make_lower as make_lower
+from .onnx_graphs import save_onnx as save_onnx
 from .player import Player as Player
 from .player import make_player as make_player
+from .policy_file import load_policy_file as load_policy_file
+from .policy_file import save_policy_file as save_policy_file
 from .terms import Terms as Terms
 from .terms import trained_terms as trained_terms

@@ -134,16 +134,21 @@ class FrozenPolicy:
         sizes = {"n_pieces": self.n_pieces, "n_tasks": self.n_tasks}
         return FrozenPolicy(self.weights, **sizes, about=self.about, lower=lower)
 
+    def packed(self) -> tuple[bytes, bytes]:
+        """Config and weights of its own level, as `save` writes them."""
+        numbers = {"n_pieces": self.n_pieces, "n_tasks": self.n_tasks}
+        return FORMAT.packed(
+            self.weights, self.about, {**numbers, HAS_LOWER: isinstance(self.lower, FrozenLower)}
+        )
+
     def save(self, folder: str | Path) -> None:
         """Write the folder `config.json` + `weights.safetensors`, and `lower/` if it has a network of its own."""
         folder = Path(folder)
-        has_lower = isinstance(self.lower, FrozenLower)
         if isinstance(self.lower, FrozenLower):
             self.lower.save(folder / LOWER_FOLDER)
         else:
             remove_policy(folder / LOWER_FOLDER)
-        numbers = {"n_pieces": self.n_pieces, "n_tasks": self.n_tasks}
-        FORMAT.save(folder, self.weights, self.about, {**numbers, HAS_LOWER: has_lower})
+        FORMAT.save(folder, self.packed())
 
     @classmethod
     def load(cls, folder: str | Path, rules: str | None = None) -> FrozenPolicy:
@@ -159,23 +164,28 @@ class FrozenPolicy:
         """
         folder = Path(folder)
         config, weights = FORMAT.load(folder)
-        trained = config["about"].get("rules")
-        if rules is not None and trained not in (None, rules):
-            raise PolicyFileError(
-                folder / CONFIG_FILE,
-                "about.rules",
-                found=f"{trained!r}",
-                expected=f"{rules!r}, the rules of this game",
-            )
+        check_rules(folder, config, rules)
         has_lower = _has_lower(folder, config)
         lower: Lower = FrozenLower.load(folder / LOWER_FOLDER) if has_lower else HEURISTIC_LOWER
-        return cls(
-            weights,
-            n_pieces=config["n_pieces"],
-            n_tasks=config["n_tasks"],
-            about=config["about"],
-            lower=lower,
-        )
+        return cls.unpacked(config, weights, lower)
+
+    @classmethod
+    def unpacked(cls, config: Mapping[str, Any], weights: Weights, lower: Lower) -> FrozenPolicy:
+        """Make it of what was read and checked."""
+        numbers = {name: config[name] for name in FORMAT.numbers}
+        return cls(weights, **numbers, about=config["about"], lower=lower)
+
+
+def check_rules(place: Path, config: Mapping[str, Any], rules: str | None) -> None:
+    """Check under which rules a policy was trained, if any are asked for.
+
+    Raises:
+        PolicyFileError: under others.
+    """
+    trained = config["about"].get("rules")
+    if rules is not None and trained not in (None, rules):
+        found, expected = f"{trained!r}", f"{rules!r}, the rules of this game"
+        raise PolicyFileError(place / CONFIG_FILE, "about.rules", found=found, expected=expected)
 
 
 def _has_lower(folder: Path, config: Mapping[str, Any]) -> bool:

@@ -15,7 +15,7 @@ from hexwar_sb3.errors import ConfigError, PolicyFileError, UnknownNameError
 from hexwar_sb3.kernels import Row, Rows, kernel
 from hexwar_sb3.players.policy_files import CONFIG_FILE, PolicyFormat, Weights
 from hexwar_sb3.players.route_network import HIDDEN, LOWER_NET, best_answer, route_values
-from hexwar_sb3.tasks.features import PER_DETOUR, ROUTE, ROUTE_WIDTH, index
+from hexwar_sb3.tasks.features import PER_DETOUR, ROUTE, ROUTE_WIDTH, feature_index
 from hexwar_sb3.tasks.route import N_ANSWERS, STAY
 
 HEURISTIC_LOWER = "heuristic"
@@ -94,9 +94,13 @@ class FrozenLower:
     def _nets(self) -> Rows:
         return self.record().reshape(1).view(np.recarray)
 
+    def packed(self) -> tuple[bytes, bytes]:
+        """Config and weights, as `save` writes them."""
+        return FORMAT.packed(self.weights, self.about, {})
+
     def save(self, folder: str | Path) -> None:
         """Write the folder `config.json` + `weights.safetensors`."""
-        FORMAT.save(Path(folder), self.weights, self.about, {})
+        FORMAT.save(Path(folder), self.packed())
 
     @classmethod
     def load(cls, folder: str | Path) -> FrozenLower:
@@ -105,24 +109,28 @@ class FrozenLower:
         Raises:
             PolicyFileError: it is broken, or its state has other features than this version's.
         """
-        config, weights = FORMAT.load(Path(folder))
-        about = config["about"]
+        return cls.unpacked(Path(folder), *FORMAT.load(Path(folder)))
+
+    @classmethod
+    def unpacked(cls, place: Path, config: Mapping[str, Any], weights: Weights) -> FrozenLower:
+        """Make it of what was read at a place, which is named in errors.
+
+        Raises:
+            PolicyFileError: its state has other features than this version's, or a word of `about` is none.
+        """
+        about, path = config["about"], place / CONFIG_FILE
         if about.get("features") != FEATURES or config["sizes"] != SIZES:
-            raise PolicyFileError(
-                Path(folder) / CONFIG_FILE,
-                "features",
-                found=f"{about.get('features')!r}, sizes {config['sizes']}",
-                expected=f"{FEATURES!r}, sizes {SIZES}: train the lower level anew",
-            )
+            found = f"{about.get('features')!r}, sizes {config['sizes']}"
+            expected = f"{FEATURES!r}, sizes {SIZES}: train the lower level anew"
+            raise PolicyFileError(path, "features", found=found, expected=expected)
         if about.get("ways") not in ("yes", "no"):
-            found = repr(about.get("ways"))
-            raise PolicyFileError(Path(folder) / CONFIG_FILE, "about.ways", found=found, expected="yes or no")
+            raise PolicyFileError(path, "about.ways", found=repr(about.get("ways")), expected="yes or no")
         tie = about.get("tie", "0.0")
         try:
             return cls(weights, ways=about.get("ways") == "yes", tie=float(tie), about=about)
         except ValueError as error:
             raise PolicyFileError(
-                Path(folder) / CONFIG_FILE, "about.tie", found=repr(tie), expected="a number of at least 0"
+                path, "about.tie", found=repr(tie), expected="a number of at least 0"
             ) from error
 
 
@@ -131,7 +139,7 @@ def fastest_way_network() -> FrozenLower:
     weights = {
         name: np.zeros([SIZES[axis] for axis in axes], np.float32) for name, axes in FORMAT.layers.items()
     }
-    places = index("route", 1, 1, 1)
+    places = feature_index("route", 1, 1, 1)
     for direction in range(N_ANSWERS - 1):
         weights["layer1.weight"][direction, places[f"neighbour {direction}: detour"]] = 1.0
         weights["layer2.weight"][direction, direction] = 1.0

@@ -17,6 +17,7 @@ from hexwar_sb3.errors import ConfigError, PolicyFileError, UnknownNameError, sh
 from hexwar_sb3.players.flat import FlatPlayer, is_flat, predicted
 from hexwar_sb3.players.frozen import FrozenPolicy
 from hexwar_sb3.players.frozen_lower import HEURISTIC_LOWER, Lower
+from hexwar_sb3.players.policy_file import SUFFIX, load_policy_file
 from hexwar_sb3.rules.ruleset import default_rules
 
 Observation: TypeAlias = Mapping[str, NDArray[Any]]
@@ -97,7 +98,7 @@ Seat: TypeAlias = BotPlayer | Player
 
 
 def make_player(player: object) -> Seat:
-    """Turn a bot's or a built-in policy's name, a policy or run folder, or an object with `act` or `predict` into a player.
+    """Make a player of a bot's or a built-in policy's name, a policy (folder, file, run folder), or an object that plays.
 
     A model that observes one vector is one of the flat env.
 
@@ -138,8 +139,10 @@ def _named_player(name: str | Path) -> Seat:
     for place in (folder / "policy", folder):
         if (place / POLICY_FILE).is_file():
             return FrozenPolicy.load(place, rules=default_rules().hash)
+    if folder.suffix == SUFFIX and folder.is_file():
+        return load_policy_file(folder, rules=default_rules().hash)
     if folder.exists():
-        expected = "a policy folder, or a run folder with policy/ in it"
+        expected = f"a policy folder, a run folder with policy/ in it, or a policy as one file (*{SUFFIX})"
         raise PolicyFileError(folder, POLICY_FILE, found="nothing", expected=expected)
     raise UnknownNameError("player", str(name), (*BOTS, *POLICIES))
 

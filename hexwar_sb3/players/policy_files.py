@@ -16,10 +16,11 @@ from safetensors import SafetensorError
 
 from hexwar_sb3.errors import ConfigError, PolicyFileError
 from hexwar_sb3.files import replacing
-from hexwar_sb3.reading import parse_json, read_bytes, read_json
+from hexwar_sb3.reading import parse_json, read_bytes
 
 CONFIG_FILE, WEIGHTS_FILE = "config.json", "weights.safetensors"
 MAX_CONFIG_BYTES, MAX_HEADER_BYTES, MAX_WEIGHTS_BYTES = 1 << 16, 1 << 16, 1 << 24
+CONFIG = "a policy's config"
 DTYPE = "F32"  # of all arrays, as safetensors calls it
 METADATA = "__metadata__"  # key of its header that names no array
 MAX_SIZE = 4096  # of any axis
@@ -75,11 +76,19 @@ class PolicyFormat:
                 return f"{name} holds numbers that are not finite"
         return None
 
-    def save(self, folder: Path, weights: Weights, about: Mapping[str, str], more: Mapping[str, int]) -> None:
-        """Write the two files, each at once or not at all.
+    def save(self, folder: Path, packed: tuple[bytes, bytes]) -> None:
+        """Write config and weights as two files, each at once or not at all."""
+        config, data = packed
+        for name, content in ((WEIGHTS_FILE, data), (CONFIG_FILE, config)):
+            with replacing(folder / name) as temporary:
+                temporary.write_bytes(content)
+
+    def packed(
+        self, weights: Weights, about: Mapping[str, str], more: Mapping[str, int]
+    ) -> tuple[bytes, bytes]:
+        """Config and weights as they are written.
 
         Args:
-            folder: gets them.
             weights: the arrays.
             about: what it was trained on.
             more: further words of the config, its numbers among them.
@@ -93,9 +102,7 @@ class PolicyFormat:
             "weights_sha256": hashlib.sha256(data).hexdigest(),
             "about": dict(about),
         }
-        for name, content in ((WEIGHTS_FILE, data), (CONFIG_FILE, json.dumps(config, indent=2).encode())):
-            with replacing(folder / name) as temporary:
-                temporary.write_bytes(content)
+        return json.dumps(config, indent=2).encode(), data
 
     def load(self, folder: Path) -> tuple[dict[str, Any], dict[str, NDArray[np.float32]]]:
         """Read config and weights.
@@ -103,11 +110,21 @@ class PolicyFormat:
         Raises:
             PolicyFileError: a file is missing, too large or broken, or its numbers do not fit together.
         """
-        config = self._read_config(folder / CONFIG_FILE)
-        return config, self._read_weights(folder / WEIGHTS_FILE, config)
+        config = self.read_config(
+            folder / CONFIG_FILE, read_bytes(folder / CONFIG_FILE, MAX_CONFIG_BYTES, PolicyFileError, CONFIG)
+        )
+        data = read_bytes(folder / WEIGHTS_FILE, MAX_WEIGHTS_BYTES, PolicyFileError)
+        return config, self.read_weights(folder / WEIGHTS_FILE, data, config)
 
-    def _read_config(self, path: Path) -> dict[str, Any]:
-        config = read_json(path, "a policy's config", PolicyFileError, MAX_CONFIG_BYTES)
+    def read_config(self, path: Path, text: bytes) -> dict[str, Any]:
+        """What a config says; `path` is named in errors.
+
+        Raises:
+            PolicyFileError: it is broken, or of another kind or version.
+        """
+        config = parse_json(text, path, CONFIG, PolicyFileError)
+        if not isinstance(config, dict):
+            raise PolicyFileError(path, "file", found=type(config).__name__, expected=CONFIG)
         if (config.get("format"), config.get("version")) != (self.name, self.version):
             expected = f"{self.name!r}, version {self.version}"
             raise PolicyFileError(path, "format", found="something else", expected=expected)
@@ -126,16 +143,17 @@ class PolicyFormat:
         if not isinstance(about, dict) or not all(isinstance(value, str) for value in about.values()):
             raise PolicyFileError(path, "about", found=repr(about), expected="texts by name")
 
-    def _read_weights(self, path: Path, config: dict[str, Any]) -> dict[str, NDArray[np.float32]]:
-        data = read_bytes(path, MAX_WEIGHTS_BYTES, PolicyFileError)
+    def read_weights(self, path: Path, data: bytes, config: dict[str, Any]) -> dict[str, NDArray[np.float32]]:
+        """The arrays of a safetensors file that belongs to a config; `path` is named in errors.
+
+        Raises:
+            PolicyFileError: they are broken, others than the config's, or do not fit together.
+        """
         if hashlib.sha256(data).hexdigest() != config.get("weights_sha256"):
             expected = "those that config.json was written with"
             raise PolicyFileError(path, "sha256", found="other weights", expected=expected)
         self._check_header(path, data)
-        try:
-            weights: dict[str, NDArray[np.float32]] = safetensors.numpy.load(data)
-        except (SafetensorError, ValueError, LookupError, TypeError, OverflowError, MemoryError) as error:
-            raise PolicyFileError(path, "file", found=str(error), expected="safetensors") from error
+        weights = arrays_of(path, data)
         problem = self.why_unusable(weights, config["sizes"])
         if problem:
             expected = "the shapes of config.json, finite numbers"
@@ -144,24 +162,44 @@ class PolicyFormat:
 
     def _check_header(self, path: Path, data: bytes) -> None:
         """What the file says of its arrays: these names, each once, as 32-bit floats."""
-        size = int.from_bytes(data[:8], "little")
-        if not 0 < size <= min(len(data) - 8, MAX_HEADER_BYTES):
-            found, expected = (
-                f"a header of {size} bytes",
-                f"safetensors with one of at most {MAX_HEADER_BYTES}",
-            )
-            raise PolicyFileError(path, "file", found=found, expected=expected)
-        header = parse_json(data[8 : 8 + size], path, "safetensors with a header", PolicyFileError, "header")
-        if not isinstance(header, dict):
-            raise PolicyFileError(path, "header", found=type(header).__name__, expected="arrays by name")
-        arrays = {name: one for name, one in header.items() if name != METADATA}
+        arrays, _ = header_of(path, data)
         if set(arrays) != set(self.layers):
             found, expected = str(sorted(arrays)), str(sorted(self.layers))
             raise PolicyFileError(path, "arrays", found=found, expected=expected)
-        for name, one in arrays.items():
-            dtype = one.get("dtype") if isinstance(one, dict) else None
-            if dtype != DTYPE:
-                raise PolicyFileError(path, name, found=f"dtype {dtype!r}", expected=f"{DTYPE!r}")
+
+
+def header_of(path: Path, data: bytes) -> tuple[dict[str, Any], Any]:
+    """What a safetensors file says of its arrays, each once and of 32-bit floats, and its metadata as they stand.
+
+    Raises:
+        PolicyFileError: it has no such header.
+    """
+    size = int.from_bytes(data[:8], "little")
+    if not 0 < size <= min(len(data) - 8, MAX_HEADER_BYTES):
+        found, expected = f"a header of {size} bytes", f"safetensors with one of at most {MAX_HEADER_BYTES}"
+        raise PolicyFileError(path, "file", found=found, expected=expected)
+    header = parse_json(data[8 : 8 + size], path, "safetensors with a header", PolicyFileError, "header")
+    if not isinstance(header, dict):
+        raise PolicyFileError(path, "header", found=type(header).__name__, expected="arrays by name")
+    metadata = header.pop(METADATA, {})
+    for name, one in header.items():
+        dtype = one.get("dtype") if isinstance(one, dict) else None
+        if dtype != DTYPE:
+            raise PolicyFileError(path, name, found=f"dtype {dtype!r}", expected=f"{DTYPE!r}")
+    return header, metadata
+
+
+def arrays_of(path: Path, data: bytes) -> dict[str, NDArray[np.float32]]:
+    """The arrays of a safetensors file whose header was looked at.
+
+    Raises:
+        PolicyFileError: header and arrays do not fit together.
+    """
+    try:
+        found: dict[str, NDArray[np.float32]] = safetensors.numpy.load(data)
+    except (SafetensorError, ValueError, LookupError, TypeError, OverflowError, MemoryError) as error:
+        raise PolicyFileError(path, "file", found=str(error), expected="safetensors") from error
+    return found
 
 
 def remove_policy(folder: Path) -> None:

@@ -178,6 +178,12 @@ ROUTE = (
 )  # fmt: skip
 
 VECTORS: Mapping[str, tuple[Group, ...]] = {"obs": OBS, "row": ROW, "state": STATE, "route": ROUTE}
+TITLES = {
+    "obs": "obs: the last axis of `obs`",
+    "row": "row: the last axis of `tasks`",
+    "state": "state: of the mixer",
+    "route": "route: of the lower level",
+}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -196,7 +202,7 @@ def sizes(n_own: int, n_enemies: int, n_points: int) -> Sizes:
     return Sizes(**{name: _width(groups, counts) for name, groups in VECTORS.items()})
 
 
-def index(vector: str, n_own: int, n_enemies: int, n_points: int) -> dict[str, slice]:
+def feature_index(vector: str, n_own: int, n_enemies: int, n_points: int) -> dict[str, slice]:
     """Where each feature of "obs", "row", "state" or "route" stands: "enemy 2: blood" -> slice."""
     counts = _counts(n_own, n_enemies, n_points)
     places: dict[str, slice] = {}
@@ -213,18 +219,25 @@ def markdown() -> str:
     lines: list[str] = []
     for vector, groups in VECTORS.items():
         width = _width(groups, _counts(7, 7, 2))
-        lines += [f"## {vector}", "", f"{width} numbers with 7 pieces a camp and 2 control points.", ""]
-        lines += ["| of | feature | numbers | scale | source |", "|---|---|---|---|---|"]
+        lines += [
+            f"## {TITLES[vector]}",
+            "",
+            f"{width} numbers with 7 pieces a camp and 2 control points; `from`: the place of the first.",
+            "",
+        ]
+        lines += ["| from | of | feature | numbers | scale | source |", "|---|---|---|---|---|---|"]
+        places = {name: place.start for name, place in reversed(feature_index(vector, 7, 7, 2).items())}
         for group in groups:
-            lines += [_markdown_row(group, feature) for feature in group.features]
+            first = group.name if group.times is Times.ONCE else f"{group.name} 0"
+            lines += [_markdown_row(places[f"{first}: {one.name}"], group, one) for one in group.features]
         lines.append("")
     return "\n".join(lines)
 
 
-def _markdown_row(group: Group, feature: Feature) -> str:
+def _markdown_row(start: int, group: Group, feature: Feature) -> str:
     width = feature.width.value if isinstance(feature.width, Times) else feature.width
     name = group.name if group.times is Times.ONCE else f"{group.name}, {group.times.value}"
-    return f"| {name} | {feature.name} | {width} | {feature.scale:.4g} | {feature.source} |"
+    return f"| {start} | {name} | {feature.name} | {width} | {feature.scale:.4g} | {feature.source} |"
 
 
 def _counts(n_own: int, n_enemies: int, n_points: int) -> dict[Times, int]:

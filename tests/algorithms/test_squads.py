@@ -15,13 +15,13 @@ from hexwar_sb3.envs.joint_action import JointActionEnv
 from hexwar_sb3.envs.registration import make_vec_env
 from hexwar_sb3.errors import CheckpointError, ConfigError
 from hexwar_sb3.rules.enums import PieceType
-from hexwar_sb3.tasks.features import index
+from hexwar_sb3.tasks.features import feature_index
 from hexwar_sb3.tasks.records import TaskKind
 from tests.envs.matrix_games import TwoStepGame
 
 TANK, CHARIOT, SOLDIER, AEROCRAFT = PieceType
 LINE_UP = (TANK, TANK, CHARIOT, CHARIOT, SOLDIER, SOLDIER, AEROCRAFT)
-HOLD = index("row", 1, 1, 1)["task: kind"].start + TaskKind.HOLD
+HOLD = feature_index("row", 1, 1, 1)["task: kind"].start + TaskKind.HOLD
 
 
 def task_env(n_envs: int = 4, seed: int = 0) -> Any:

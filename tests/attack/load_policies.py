@@ -18,7 +18,7 @@ from tests.attack.oracle import Attempt, check, check_said, finite, play, said
 from tests.attack.tricks import Case, byte_tricks, copied_over, of_file, place_cases, swapped
 from tests.attack.tricks_json import json_tricks
 from tests.attack.tricks_weights import safetensors_tricks
-from tests.attack.valid import POLICY, WEIGHTS
+from tests.attack.valid import ONE_FILE, POLICY, WEIGHTS
 
 
 def policy_cases(folder: Path, part: str = "") -> Iterator[Case]:
@@ -70,6 +70,31 @@ def _lower_is_file(folder: Path) -> None:
 def _lower_is_link(folder: Path) -> None:
     (folder / "lower").rename(folder / "lower.old")
     (folder / "lower").symlink_to(".")
+
+
+def one_file_cases(folder: Path) -> Iterator[Case]:
+    for tricks in (byte_tricks, safetensors_tricks):
+        yield from of_file(ONE_FILE, tricks, folder)
+    yield from place_cases(ONE_FILE)
+    yield copied_over("weights of a folder", folder.parent / "policy" / WEIGHTS, ONE_FILE)
+
+
+def one_file_attempt(_: Path) -> Attempt:
+    from hexwar_sb3.players.policy_file import load_policy_file
+
+    obs = {key: value.copy() for key, value in valid.new_games(2).reset().items()}
+
+    def attempt(folder: Path) -> None:
+        policy = load_policy_file(folder / ONE_FILE)
+        words = weights_said(folder / ONE_FILE)
+        levels = {"policy": policy.weights, "lower": getattr(policy.lower, "weights", {})}
+        found = {f"{level}/{name}": array for level, own in levels.items() for name, array in own.items()}
+        check(set(found) == set(words), "other arrays than the file's")
+        for name, array in found.items():
+            check(finite(array) and bool((array == words[name]).all()), f"{name} is not as in the file")
+        policy.q_values(obs)
+
+    return attempt
 
 
 def weights_said(path: Path) -> dict[str, Any]:

@@ -28,7 +28,14 @@ from tests.attack.load_models import (
     npz_cases,
     steps_attempt,
 )
-from tests.attack.load_policies import levels_cases, lower_attempt, policy_attempt, policy_cases
+from tests.attack.load_policies import (
+    levels_cases,
+    lower_attempt,
+    one_file_attempt,
+    one_file_cases,
+    policy_attempt,
+    policy_cases,
+)
 from tests.attack.load_results import (
     curve_attempt,
     league_attempt,
@@ -76,6 +83,7 @@ LOADERS: dict[str, Loader] = {
         Loader("camp's replay", "camp", partial(replay_cases, "red.hwr"), camp_attempt),
         Loader("policy", "policy", policy_cases, policy_attempt),
         Loader("policy of two levels", "levels", levels_cases, policy_attempt),
+        Loader("policy as one file", "one_file", one_file_cases, one_file_attempt),
         Loader("lower policy", "lower", policy_cases, lower_attempt),
         Loader("preset", "preset", preset_cases, preset_attempt, ("runs",)),
         Loader("run", "run", run_cases, run_attempt),

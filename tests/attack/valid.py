@@ -18,6 +18,7 @@ from typing import Any
 from hexwar_sb3.players.terms import Terms
 
 SCENARIO = "small.scenario.json"
+ONE_FILE = "policy.safetensors"
 MODEL, CHECKPOINT, POLICY, WEIGHTS = "model.zip", "checkpoint.npz", "config.json", "weights.safetensors"
 GAME_TICKS = 300
 BOARD = """
@@ -127,6 +128,7 @@ def new_masked() -> Any:
 def policies(root: Path) -> None:
     """A policy led by the heuristic, one with a lower level, a lower level alone, and others to take files from."""
     from hexwar_sb3.players.frozen_lower import fastest_way_network
+    from hexwar_sb3.players.policy_file import save_policy_file
     from hexwar_sb3.rules.ruleset import default_rules
 
     about = {
@@ -138,7 +140,9 @@ def policies(root: Path) -> None:
     }
     policy = new_qmix().policy.freeze(**about)
     policy.save(root / "policy")
-    policy.led_by(fastest_way_network()).save(root / "levels")
+    levels = policy.led_by(fastest_way_network())
+    levels.save(root / "levels")
+    save_policy_file(levels, root / "one_file" / ONE_FILE)
     fastest_way_network().save(root / "lower")
     new_qmix(seed=5).policy.freeze(**about).save(root / "others" / "policy")
 

@@ -119,6 +119,21 @@ def test_arguments_that_cannot_be_read_are_one_line(hexwar: Command, arguments: 
     assert len(err) > len("hexwar: x\n")
 
 
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (("play", "--seed", "abc"), "--seed must be a whole number or None, got 'abc'"),
+        (("train", "--seed", "1.5"), "--seed must be a whole number, got '1.5'"),
+        (("train", "-n", "many"), "-n/--n-timesteps must be a whole number, got 'many'"),
+        (("train", "--learning-rate", "fast"), "--learning-rate must be a number or None, got 'fast'"),
+    ],
+)
+def test_a_value_that_is_none_is_met_with_what_is_expected(
+    hexwar: Command, arguments: tuple[str, ...], said: str
+) -> None:
+    assert hexwar(*arguments) == (2, "", f"hexwar: {said}\n")
+
+
 def test_nothing_at_all_is_answered_with_the_help(hexwar: Command) -> None:
     code, out, err = hexwar()
 

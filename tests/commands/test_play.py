@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import signal
+import socket
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
@@ -66,6 +67,19 @@ def test_a_missing_package_is_named(hexwar: Command, package: str, monkeypatch: 
 
     assert code == 2
     assert err == f'hexwar: playing needs {package}: pip install "hexwar-sb3[play]"\n'
+
+
+def test_a_port_in_use_leaves_no_game_behind(hexwar: Command, tmp_path: Path) -> None:
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        port = taken.getsockname()[1]
+        code, out, err = hexwar("play", "MA2", "--no-browser", "--port", str(port), "--folder", str(tmp_path))
+
+    assert (code, out) == (2, "")
+    assert (
+        err.splitlines()[-1]
+        == f"hexwar: --port {port}: Address already in use; without it any that is free is taken"
+    )
+    assert not list(tmp_path.glob("*.hwr"))
 
 
 def test_games_are_numbered(tmp_path: Path) -> None:

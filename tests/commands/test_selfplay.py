@@ -15,8 +15,10 @@ from hexwar_sb3.league.member import as_member
 from hexwar_sb3.league.settings import LeagueSettings
 from hexwar_sb3.players.frozen import FrozenPolicy
 
-FEW = ("--keep", "1", "--iterations", "1", "--games", "2", "--match-games", "1", "--warm-up-games", "2")
-FEW += ("--opponents", "MA1", "drawn")
+FEW = (
+    *("--keep", "1", "--iterations", "1", "--games", "2", "--match-games", "1", "--warm-up-games", "2"),
+    *("--opponents", "MA1", "drawn"),
+)
 
 
 def run(*arguments: str) -> int:

@@ -23,7 +23,7 @@ from hexwar_sb3.evaluation.matches import play_match
 from hexwar_sb3.maps.cells import NO_CELL
 from hexwar_sb3.maps.geometry import NE, W
 from hexwar_sb3.play.match import play_games
-from hexwar_sb3.tasks.features import index
+from hexwar_sb3.tasks.features import feature_index
 from hexwar_sb3.tasks.records import MAX_TASKS, TaskKind
 from hexwar_sb3.tasks.route import N_ANSWERS
 
@@ -215,7 +215,7 @@ def test_the_observation_is_the_acting_pieces_own() -> None:
     """Its o, which tells its slot, then its task rows; rows of masked tasks are 0."""
     env = single()
     sight, n_own = env.games.sight, env.games.picked.shape[1]
-    slots = index("obs", n_own, n_own, len(env.games.arena.world.scenario.points))["self: slot"]
+    slots = feature_index("obs", n_own, n_own, len(env.games.arena.world.scenario.points))["self: slot"]
     for slot in range(n_own):
         obs, width = env.games.observe()[0], sight.obs["obs"].shape[-1]
         assert obs[slots].argmax() == slot

@@ -5,10 +5,13 @@ from __future__ import annotations
 import select
 import subprocess
 import sys
+import threading
+import time
 from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
+from filelock import FileLock
 
 from hexwar_sb3.cache import Cache, cache
 from hexwar_sb3.envs import prepare
@@ -142,3 +145,22 @@ def test_processes_end_with_the_one_that_started_them() -> None:
 @pytest.mark.parametrize("part", ["play", "look"])
 def test_a_part_can_be_compiled(part: str) -> None:
     prepare.compile_part(part)
+
+
+def test_of_two_that_start_together_one_waits_and_compiles_nothing(
+    started: list[str], tmp_path: Path
+) -> None:
+    said: list[str] = []
+    held = FileLock(tmp_path / prepare.LOCK)
+    held.acquire()
+    other = threading.Thread(target=prepare.prepare, args=(said.append,))
+    other.start()
+    while not said:
+        time.sleep(0.01)
+    assert said == ["another process is compiling the game; waiting for it"]
+    assert started == []
+    cache().keep(toolchain(), prepare._marker(), b"")  # it is done
+    held.release()
+    other.join(20)
+    assert started == []
+    assert len(said) == 1

@@ -22,11 +22,11 @@ from hexwar_sb3.envs.route_vec_env import RouteVecEnv
 from hexwar_sb3.errors import ConfigError, HexWarError, UnknownNameError
 from hexwar_sb3.players.frozen_lower import FORMAT, SIZES, FrozenLower
 from hexwar_sb3.rules.enums import PieceType
-from hexwar_sb3.tasks.features import PER_DETOUR, PER_HOP, index
+from hexwar_sb3.tasks.features import PER_DETOUR, PER_HOP, feature_index
 from hexwar_sb3.tasks.records import ENDED, TaskKind
 from hexwar_sb3.tasks.route import STAY
 
-PLACES = index("route", 1, 1, 1)
+PLACES = feature_index("route", 1, 1, 1)
 TYPES, HERE, WAY = PLACES["piece: type"], PLACES["goal: here"].start, PLACES["goal: way"].start
 DETOURS = [PLACES[f"neighbour {d}: detour"].start for d in range(6)]
 EASES = [PLACES[f"neighbour {d}: ease"].start for d in range(6)]

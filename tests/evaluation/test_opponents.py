@@ -5,7 +5,9 @@ from __future__ import annotations
 import pytest
 
 from hexwar_sb3.errors import ConfigError
+from hexwar_sb3.evaluation import opponents
 from hexwar_sb3.evaluation.opponents import broad_mixture, named, with_weights
+from hexwar_sb3.rules import default_rules
 
 
 def test_a_weight_stands_after_the_name() -> None:
@@ -37,3 +39,13 @@ def test_the_broad_mixture_has_the_trained_policy_where_it_fits() -> None:
 def test_what_is_wrong_is_said(opponents: list[str], message: str) -> None:
     with pytest.raises(ConfigError, match=message):
         with_weights(opponents)
+
+
+def test_under_other_rules_the_trained_policy_is_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Who changes a rule can still train: HRL0 is refused where it is named."""
+    opponents._knows_the_rules.cache_clear()
+    monkeypatch.setattr(opponents, "default_rules", lambda: default_rules().with_numbers(hide_ticks=60))
+    try:
+        assert broad_mixture("plain") == opponents.OPPONENTS
+    finally:
+        opponents._knows_the_rules.cache_clear()

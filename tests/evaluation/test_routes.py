@@ -18,11 +18,11 @@ from hexwar_sb3.maps.scenario import Scenario
 from hexwar_sb3.players.frozen_lower import FORMAT, SIZES, FrozenLower, fastest_way_network
 from hexwar_sb3.rules.enums import Camp, PieceType
 from hexwar_sb3.rules.indices import CellIndex
-from hexwar_sb3.tasks.features import index
+from hexwar_sb3.tasks.features import feature_index
 from hexwar_sb3.tasks.route import STAY
 from hexwar_sb3.tasks.travel import UNREACHABLE, travel_ticks
 
-PLACES = index("route", 1, 1, 1)
+PLACES = feature_index("route", 1, 1, 1)
 HERE = PLACES["goal: here"].start
 DETOURS = [PLACES[f"neighbour {d}: detour"].start for d in range(6)]
 TEN_CELLS = """

@@ -30,11 +30,11 @@ from hexwar_sb3.policies.masked import MaskedDQNPolicy, freeze_lower
 from hexwar_sb3.rules.enums import Camp
 from hexwar_sb3.rules.indices import CellIndex
 from hexwar_sb3.tasks.choose import assign
-from hexwar_sb3.tasks.features import ROUTE_WIDTH, index
+from hexwar_sb3.tasks.features import ROUTE_WIDTH, feature_index
 from hexwar_sb3.tasks.records import ENDED, STAYING, TaskKind
 from hexwar_sb3.tasks.route import N_ANSWERS, STAY
 
-PLACES = index("route", 1, 1, 1)
+PLACES = feature_index("route", 1, 1, 1)
 HERE = PLACES["goal: here"].start
 DETOURS = [PLACES[f"neighbour {d}: detour"].start for d in range(6)]
 WAYS = [PLACES["goal: way"].start, *DETOURS]
@@ -80,7 +80,7 @@ class Picker:
 
     def act(self, obs: Any) -> NDArray[np.int64]:
         mask = obs["action_mask"]
-        time_left = obs["obs"][:, 0, index("obs", 7, 7, 2)["game: time left"].start]
+        time_left = obs["obs"][:, 0, feature_index("obs", 7, 7, 2)["game: time left"].start]
         phase = np.round(time_left * 1800 / 450).astype(np.int64)[:, None]
         return (5 * phase + 3 * np.arange(mask.shape[1]) + 2) % mask.sum(axis=-1)
 

@@ -210,7 +210,7 @@ def test_other_layers_are_refused(tmp_path: Path, size: dict[str, int]) -> None:
     with pytest.raises(ConfigError, match=r"no network for the drive loop: .* has the shape"):
         FrozenLower(weights)
 
-    FORMAT.save(tmp_path, weights, {"features": FEATURES, "ways": "yes"}, {})
+    FORMAT.save(tmp_path, FORMAT.packed(weights, {"features": FEATURES, "ways": "yes"}, {}))
     name, number = next(iter(size.items()))
     with pytest.raises(PolicyFileError, match=f"features: found .*'{name}': {number}.*; expected"):
         FrozenLower.load(tmp_path)

@@ -54,7 +54,7 @@ def test_a_wrong_name_says_which_one_was_meant() -> None:
 
 def test_a_folder_without_a_policy_is_told_what_it_lacks(tmp_path: Path) -> None:
     with pytest.raises(
-        PolicyFileError, match=r"config.json: found nothing; expected a policy folder, or a run"
+        PolicyFileError, match=r"config.json: found nothing; expected a policy folder, a run folder"
     ):
         make_player(tmp_path)
 

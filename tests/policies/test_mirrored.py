@@ -12,7 +12,7 @@ from hexwar_sb3.envs.joint_action import JointActionEnv
 from hexwar_sb3.envs.registration import make_vec_env
 from hexwar_sb3.errors import ConfigError
 from hexwar_sb3.policies.task_policy import TaskPolicy
-from hexwar_sb3.tasks.features import index, sizes
+from hexwar_sb3.tasks.features import feature_index, sizes
 from tests.envs.matrix_games import TwoStepGame
 
 
@@ -40,14 +40,14 @@ def _differences(model: QMIX) -> tuple[float, float]:
     """How far the values of agents and mixer are apart with the camp's features changed."""
     policy, obs = model.policy, model.replay_buffer.sample(32, 1, np.random.default_rng(0)).now
     assert isinstance(policy, TaskPolicy)
-    blue = index("obs", 7, 7, 2)["game: blue"]
+    blue = feature_index("obs", 7, 7, 2)["game: blue"]
     assert blue.stop == obs.sets.obs.shape[1]
     other = type(obs.sets)(
         obs.sets.obs.clone(), obs.sets.tasks, obs.sets.piece, obs.sets.task, obs.sets.n_tasks
     )
     other.obs[:, blue] = 1.0 - other.obs[:, blue]
     state = obs.state.clone()
-    assert index("state", 7, 7, 2)["game: blue"].stop in (state.shape[1], sizes(7, 7, 2).state)
+    assert feature_index("state", 7, 7, 2)["game: blue"].stop in (state.shape[1], sizes(7, 7, 2).state)
     width = policy.shapes.obs_dim
     columns = range(width - 1, state.shape[1], width) if state.shape[1] == 7 * width else [state.shape[1] - 1]
     state[:, list(columns)] = 1.0 - state[:, list(columns)]
@@ -65,7 +65,7 @@ def test_a_frozen_copy_plays_both_camps_alike() -> None:
     )
     frozen = model.learn(4 * 48).policy.freeze()
 
-    assert not frozen.weights["piece.weight"][:, index("obs", 7, 7, 2)["game: blue"]].any()
+    assert not frozen.weights["piece.weight"][:, feature_index("obs", 7, 7, 2)["game: blue"]].any()
 
 
 def test_a_preset_mirrors_where_the_map_does() -> None:

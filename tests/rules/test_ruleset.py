@@ -21,7 +21,7 @@ HASHES = {"1.0": "2da2ac091d90bf232ab035d67a866b7e443d8c60e6534b8f580a7cf16e54e2
 
 def test_numbers_do_not_change_without_a_new_version(rules: RuleSet) -> None:
     """Results, replays and models name both."""
-    assert HASHES[rules.version] == rules.hash
+    assert HASHES.get(rules.version) == rules.hash
 
 
 def with_one_number_changed(rules: RuleSet) -> Iterator[RuleSet]:

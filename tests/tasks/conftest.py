@@ -20,7 +20,7 @@ from hexwar_sb3.rules.enums import Action, Camp
 from hexwar_sb3.rules.indices import CampIndex, CellIndex, PieceIndex
 from hexwar_sb3.tasks.choose import assign, choose_tasks, new_missions
 from hexwar_sb3.tasks.execute import execute_tasks
-from hexwar_sb3.tasks.features import index, sizes
+from hexwar_sb3.tasks.features import feature_index, sizes
 from hexwar_sb3.tasks.observe import observe
 from hexwar_sb3.tasks.records import MAX_TASKS, TASK, TaskKind
 from hexwar_sb3.tasks.sets import list_tasks
@@ -146,7 +146,7 @@ class Board:
 
     def feature(self, name: str, feature: str) -> list[float]:
         """Numbers of one feature of a red piece's observation."""
-        place = index("obs", N, N, len(self.world.scenario.points))[feature]
+        place = feature_index("obs", N, N, len(self.world.scenario.points))[feature]
         return [float(x) for x in self.observation()["obs"][self.i(name), place]]
 
     def row_feature(
@@ -157,7 +157,9 @@ class Board:
         tasks = seen["tasks"][self.i(name)]
         fits = (tasks.kind == kind) & ((tasks.target == target) | (target == NO_PIECE))
         k = np.flatnonzero(fits & (seen["mask"][self.i(name)] == 1))[0]
-        return [float(x) for x in seen["rows"][self.i(name), k, index("row", N, N, 2)[f"task: {feature}"]]]
+        return [
+            float(x) for x in seen["rows"][self.i(name), k, feature_index("row", N, N, 2)[f"task: {feature}"]]
+        ]
 
     def task(self, name: str, kind: TaskKind, target: int = NO_PIECE, cell: int = -1) -> Row:
         """Give a piece a task now; returns its mission."""

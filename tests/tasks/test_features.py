@@ -12,7 +12,7 @@ from hexwar_sb3.engine.records import NO_CELL, NO_PIECE
 from hexwar_sb3.engine.score import known_margin, margin
 from hexwar_sb3.rules.enums import Camp, PieceType
 from hexwar_sb3.tasks import features
-from hexwar_sb3.tasks.features import VECTORS, index, markdown, sizes
+from hexwar_sb3.tasks.features import VECTORS, feature_index, markdown, sizes
 from hexwar_sb3.tasks.observe import global_state
 from hexwar_sb3.tasks.records import STAYING, TaskKind
 from hexwar_sb3.tasks.travel import travel_ticks
@@ -31,7 +31,7 @@ def test_sizes_of_the_built_in_scenarios() -> None:
 @pytest.mark.parametrize("counts", [(7, 7, 2), (1, 1, 1), (3, 5, 8)])
 @pytest.mark.parametrize("vector", VECTORS)
 def test_the_index_covers_every_number_once(vector: str, counts: tuple[int, int, int]) -> None:
-    places = list(index(vector, *counts).values())
+    places = list(feature_index(vector, *counts).values())
 
     assert [place.start for place in places] == [0, *(place.stop for place in places[:-1])]
     assert places[-1].stop == getattr(sizes(*counts), vector)
@@ -47,7 +47,7 @@ def test_the_first_and_the_last_feature_stand_where_the_table_says(middle: Calla
     """If any block had another width than its row in the table, the last ones would be off."""
     board = middle(2)
     for camp in (Camp.RED, Camp.BLUE):
-        seen, places = board.observation(camp), index("obs", N, N, 2)
+        seen, places = board.observation(camp), feature_index("obs", N, N, 2)
         alive = seen["alive"] == 1
         kinds = board.pieces.kind[camp * N : camp * N + N]
         known = known_margin(board.game, board.pieces, board.memory, camp, board.rules)
@@ -176,7 +176,7 @@ def state_of(board: Board, camp: int) -> Any:
 
 def test_the_mixers_state_is_the_true_state(field: Board) -> None:
     field.put("blue:tank0", field.cell(25, 10), blood=1)
-    places = index("state", N, N, 2)
+    places = feature_index("state", N, N, 2)
     state = state_of(field, Camp.RED)
 
     assert np.isfinite(state).all()

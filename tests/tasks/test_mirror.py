@@ -11,7 +11,7 @@ from hexwar_sb3.engine.records import NO_CELL, NO_PIECE
 from hexwar_sb3.maps.geometry import MIRROR_DIRECTION
 from hexwar_sb3.rules.enums import Action, Camp
 from hexwar_sb3.rules.indices import CampIndex
-from hexwar_sb3.tasks.features import index
+from hexwar_sb3.tasks.features import feature_index
 
 if TYPE_CHECKING:
     from tests.tasks.conftest import Board, Choose
@@ -70,7 +70,7 @@ def mirror_game(game: Any, rounds: Any) -> None:
 
 def test_a_mirrored_position_has_the_same_sets_and_observations(middle: Callable[[int], Board]) -> None:
     """All but the bit that tells the colour."""
-    blue_bit = index("obs", N, N, 2)["game: blue"]
+    blue_bit = feature_index("obs", N, N, 2)["game: blue"]
     for seed in range(8):
         board = middle(seed)
         before = [board.observation(camp) for camp in (Camp.RED, Camp.BLUE)]

@@ -23,12 +23,12 @@ from hexwar_sb3.maps.travel import TOO_FAR
 from hexwar_sb3.rules import default_rules
 from hexwar_sb3.rules.enums import Camp, HopClass, PieceType
 from hexwar_sb3.rules.indices import CellIndex
-from hexwar_sb3.tasks.features import BOUND, MOST, PER_CELL, PER_DETOUR, PER_HOP, PER_LEVEL, index
+from hexwar_sb3.tasks.features import BOUND, MOST, PER_CELL, PER_DETOUR, PER_HOP, PER_LEVEL, feature_index
 from hexwar_sb3.tasks.records import TaskKind
 from hexwar_sb3.tasks.route import STAY, has_way, new_route_buffers, observe_route
 
 TANK, SOLDIER, AEROCRAFT = PieceType.TANK, PieceType.SOLDIER, PieceType.AEROCRAFT
-PLACES = index("route", 1, 1, 1)
+PLACES = feature_index("route", 1, 1, 1)
 MIDDLE, GOAL = 12, 10  # of the board below: column 3 and column 1 of row 3
 BOARD = """
     .....
