@@ -132,10 +132,12 @@ def test_a_recorded_game_reads_as_events_and_a_picture(hexwar: Command, tmp_path
     game, picture = tmp_path / "game.hwr", tmp_path / "game.png"
     hexwar("match", "MA1", "MA2", "--games", "1", "--record", str(game))
 
-    _, out, _ = hexwar("watch", str(game), "--output", str(picture))
+    _, events, _ = hexwar("watch", str(game))
+    _, result, _ = hexwar("watch", str(game), "--output", str(picture))
 
-    assert "first_contact" in out or "arrived" in out
-    assert out.splitlines()[-1].startswith("tick 1800: ")
+    assert "first_contact" in events or "arrived" in events
+    assert events.splitlines()[-1].startswith("tick 1800: ")
+    assert result == events.splitlines()[-1] + "\n"  # beside a picture no events
     assert picture.read_bytes().startswith(b"\x89PNG")
 
 

@@ -120,7 +120,11 @@ BROKEN: dict[str, tuple[Edit, str, str]] = {
         "levels[1], number 2",
         '"999',
     ),
-    "point off the map": (set_in("controllable", to=["0502"]), "controllable[0]", '"0502"; expected cell'),
+    "point off the map": (
+        set_in("controllable", to=["0502"]),
+        "controllable[0]",
+        '"0502"; expected a cell of the map',
+    ),
     "point on void": (set_in("controllable", to=["0402"]), "controllable[0]", '"0402"'),
     "point no name": (set_in("controllable", to=["ab"]), "controllable[0]", '"ab"'),
     "seed negative": (set_in("seed", to=-1), "seed", "-1; expected a whole number from 0"),

@@ -202,7 +202,7 @@ BROKEN: dict[str, tuple[Edit, str, str]] = {
         "piece blue:chariot0",
         "expected 'tank' and a number",
     ),
-    "cell off the map": (piece(2, cell="0901"), "pieces[2].cell", '"0901"; expected cell'),
+    "cell off the map": (piece(2, cell="0901"), "pieces[2].cell", '"0901"; expected a cell of the map'),
     "start on void": (piece(2, cell="0502"), "pieces[2].cell", '"0502"'),
     "start in a lake": (piece(2, cell="0102"), "piece blue:tank0", "impassable cell 0102"),
     "start in a marsh": (piece(2, cell="0402"), "piece blue:tank0", "slushy cell 0402; expected a dry start"),
