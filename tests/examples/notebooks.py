@@ -34,7 +34,7 @@ METADATA = {
 }
 QUIET = "ignore:IProgress not found"  # tqdm asks for ipywidgets, which no notebook needs
 DPI = 90  # of pictures, where nothing else is said
-COLOURS = 256  # of a picture
+COLOURS = 128  # of a picture
 FAR = 48  # levels of a colour, of 256
 FAR_SHARE = 0.001  # of the pixels of one picture drawn twice, at most; another game differs in 0.01
 
