@@ -18,7 +18,7 @@ links:
 	done
 
 $(STAMP): setup.cfg pyproject.toml constraints.txt
-	@echo "installing packages into $(VENV): minutes, and about 1.5 GB"
+	@echo "installing packages into $(VENV): minutes, and about 2 GB"
 	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e ".[dev]"
 	touch $@

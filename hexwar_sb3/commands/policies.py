@@ -13,8 +13,6 @@ from hexwar_sb3.commands.output import print_json
 from hexwar_sb3.commands.settings import Json
 from hexwar_sb3.errors import ConfigError
 
-ONE_FILE, ONNX = ".safetensors", ".onnx"  # endings, each a kind of file
-
 
 @dataclass(frozen=True, kw_only=True)
 class Export:
@@ -30,8 +28,10 @@ class Export:
     def run(self) -> int:
         """Read it, and write what was asked for."""
         from hexwar_sb3.players.frozen import FrozenPolicy
+        from hexwar_sb3.players.onnx_graphs import SUFFIX as ONNX
         from hexwar_sb3.players.onnx_graphs import save_onnx
         from hexwar_sb3.players.player import make_player
+        from hexwar_sb3.players.policy_file import SUFFIX as ONE_FILE
         from hexwar_sb3.players.policy_file import save_policy_file
 
         if self.output.suffix not in (ONE_FILE, ONNX) or self.output.is_dir():

@@ -73,15 +73,18 @@ def route_graph(lower: FrozenLower) -> onnx.ModelProto:
     return _model(LOWER_GRAPH, {**lower.weights, "tie": np.array(lower.tie, np.float32)}, lower.about)
 
 
-def save_onnx(policy: FrozenPolicy, path: Path) -> list[Path]:
+def save_onnx(policy: FrozenPolicy, path: str | Path) -> list[Path]:
     """Write `NAME.onnx`, and `NAME.lower.onnx` if the policy has a lower level that is a network.
 
     Returns:
         What was written.
+
+    Raises:
+        ConfigError: the package onnx is missing.
     """
-    models = {path: task_graph(policy)}
+    models = {Path(path): task_graph(policy)}
     if isinstance(policy.lower, FrozenLower):
-        models[path.with_suffix(LOWER_SUFFIX)] = route_graph(policy.lower)
+        models[Path(path).with_suffix(LOWER_SUFFIX)] = route_graph(policy.lower)
     for file, model in models.items():
         with replacing(file) as temporary:
             temporary.write_bytes(model.SerializeToString())
