@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from hexwar_sb3.engine.fields import check_all, check_range
 from hexwar_sb3.engine.state import State
 from hexwar_sb3.envs.settings import TaskSettings, task_settings
-from hexwar_sb3.envs.task_games import Span, TaskGames
+from hexwar_sb3.envs.task_games import Obs, Span, TaskGames
 from hexwar_sb3.errors import ConfigError
 from hexwar_sb3.kernels import Rows
 from hexwar_sb3.play.arena import Games, Snapshot
@@ -47,6 +47,7 @@ class FlatGames(TaskGames):
         self.acting = np.zeros(n_games, np.int64)  # slot of the piece whose turn it is [n]
         self.picked = np.zeros(shape, np.int64)  # task indices of this decision so far [n, N]
         self.answers = np.zeros(shape, np.int64)  # 0 stay, or 1 + a direction in the camp's frame [n, N]
+        self._unshown: dict[int, Snapshot] = {}  # games that are shown, as they were seen at this decision
 
     def begin(self, which: Games) -> None:
         """Start the next episodes in these slots, up to the first piece's turn."""
@@ -120,9 +121,28 @@ class FlatGames(TaskGames):
         self._take_over(which)
         self.look(which)
         self.picked[which], self.answers[which] = 0, 0
-        for b, tasks in self._show(which[self.demos[which]]).items():
-            self.picked[b], self.answers[b] = tasks, self.arena.name_moves(b, CampIndex(self.camps[b]))
+        self._name_turns(which[self.demos[which]])
         return self._pass_on(which, BEFORE_ALL)
+
+    def _name_turns(self, shown: Games) -> None:
+        """Let who shows a game make its moves of this decision, and keep the game as it was seen before."""
+        self._unshown |= {int(b): self.arena.snapshot_of(int(b)) for b in shown}
+        for b, tasks in self._show(shown).items():
+            self.picked[b], self.answers[b] = tasks, self.arena.name_moves(b, CampIndex(self.camps[b]))
+
+    def snapshot(self) -> Snapshot:
+        """Everything that changes in play; a game that is shown as it was before its moves were made."""
+        snapshot = super().snapshot()
+        for b in self.all[self.demos]:
+            for name, row in self._unshown[b].items():
+                snapshot[name][b] = row
+        return snapshot
+
+    def restore(self, snapshot: Snapshot, waiting: NDArray[np.uint32] | None = None) -> Obs:
+        """Go on where `snapshot` was taken, as `TaskGames.restore`."""
+        obs = super().restore(snapshot, waiting)
+        self._name_turns(self.all[self.demos])
+        return obs
 
     def _check_slots(self, snapshot: Snapshot, state: State, drives: Rows) -> None:
         super()._check_slots(snapshot, state, drives)

@@ -362,6 +362,10 @@ class Arena:
         """Copies of everything that changes in play, players apart."""
         return {name: array.copy() for name, array in self._arrays().items()}
 
+    def snapshot_of(self, b: int) -> Snapshot:
+        """The rows of one game in a snapshot."""
+        return {name: array[b].copy() for name, array in self._arrays().items()}
+
     def restore(self, snapshot: Snapshot) -> None:
         """Put back what `snapshot` took; the players must be seated again first, with their lower levels.
 

@@ -80,6 +80,7 @@ def odd(name: str = "plain") -> list[Scenario]:
         (TASK, {"side": "both", "opponent": ["MA1", "random"]}, 26),
         (ROUTE, {"opponent": ["MA1", "random"]}, 30),
         (FLAT, {"opponent": "MA2", "side": "blue"}, 30),
+        (FLAT, {"opponent": "MA2", "demo": "MA1", "demo_share": 0.5, "side": "both"}, 60),
     ],
 )
 def test_every_true_snapshot_goes_on_to_the_bit(name: str, options: dict[str, Any], steps: int) -> None:
@@ -104,6 +105,7 @@ def test_every_true_snapshot_goes_on_to_the_bit(name: str, options: dict[str, An
         ),
         (ROUTE, {"opponent": ["MA1", "random", "HRL0"], "decisions": "event", "n_envs": 3}, 400),
         (FLAT, {"opponent": ["MA1", "random"], "side": "both"}, 400),
+        (FLAT, {"opponent": ["MA1", "HRL0"], "side": "both", "demo": "MA2", "demo_share": 0.5}, 400),
     ],
 )
 def test_every_true_snapshot_of_many_games_goes_on_to_the_bit(
