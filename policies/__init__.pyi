@@ -4,9 +4,12 @@ from .masked import MaskedDQNPolicy as MaskedDQNPolicy
 from .masked import MaskedExtractor as MaskedExtractor
 from .masked import MaskedQRDQNPolicy as MaskedQRDQNPolicy
 from .masked import freeze_lower as freeze_lower
+from .mixers import Choices as Choices
+from .mixers import DuplexMixer as DuplexMixer
 from .mixers import IndependentMixer as IndependentMixer
 from .mixers import Mixer as Mixer
 from .mixers import MonotonicMixer as MonotonicMixer
+from .mixers import OptimisticMixer as OptimisticMixer
 from .mixers import SumMixer as SumMixer
 from .shapes import TaskShapes as TaskShapes
 from .task_policy import TaskPolicy as TaskPolicy

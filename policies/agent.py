@@ -33,10 +33,6 @@ class TaskNetwork(nn.Module):
         return sets.spread(self.q_values(sets), torch.finfo(obs.dtype).min).reshape(mask.shape)
 
     @abstractmethod
-    def q_values(self, sets: TaskSets) -> Float[Tensor, " row"]:
-        """Q of every valid task."""
-
-    @abstractmethod
     def encode(self, sets: TaskSets) -> tuple[Tensor, ...]:
         """All that is computed of task sets before it is known which task is asked for."""
 
@@ -46,9 +42,13 @@ class TaskNetwork(nn.Module):
     ) -> Float[Tensor, " piece"]:
         """Q of one task of each piece, from what `encode` gave."""
 
-    def q_chosen(self, sets: TaskSets, tasks: Int[Tensor, " piece"]) -> Float[Tensor, " piece"]:
-        """Q of one task of each piece."""
-        return self.chosen(self.encode(sets), sets, tasks)
+    @abstractmethod
+    def values(self, encoded: tuple[Tensor, ...], sets: TaskSets) -> Float[Tensor, " row"]:
+        """Q of every valid task, from what `encode` gave."""
+
+    def q_values(self, sets: TaskSets) -> Float[Tensor, " row"]:
+        """Q of every valid task."""
+        return self.values(self.encode(sets), sets)
 
 
 class AgentNetwork(TaskNetwork):
@@ -77,9 +77,9 @@ class AgentNetwork(TaskNetwork):
         z = h.new_zeros(sets.n_pieces, h.shape[1]).index_add(0, sets.piece, h) / sets.sizes  # h_Sigma
         return h, self.context_piece(x) + self.context_set(z)
 
-    def q_values(self, sets: TaskSets) -> Float[Tensor, " row"]:
+    def values(self, encoded: tuple[Tensor, ...], sets: TaskSets) -> Float[Tensor, " row"]:
         """Q of every valid task."""
-        h, c = self.encode(sets)
+        h, c = encoded
         return self.estimate(c.index_select(0, sets.piece), h)
 
     def chosen(
@@ -121,13 +121,13 @@ class LiteralAgentNetwork(TaskNetwork):
         z = ((h * valid).sum(dim=1) / sets.sizes).unsqueeze(1).expand(-1, sets.n_tasks, -1)
         return self.value(torch.relu(self.context(torch.cat([x, z, h], dim=2)))).squeeze(2)
 
-    def q_values(self, sets: TaskSets) -> Float[Tensor, " row"]:
-        """Q of every valid task."""
-        return self.q_table(sets)[sets.piece, sets.task]
-
     def encode(self, sets: TaskSets) -> tuple[Tensor, ...]:
         """Q of all rows: nothing is left out."""
         return (self.q_table(sets),)
+
+    def values(self, encoded: tuple[Tensor, ...], sets: TaskSets) -> Float[Tensor, " row"]:
+        """Q of every valid task."""
+        return encoded[0][sets.piece, sets.task]
 
     def chosen(
         self, encoded: tuple[Tensor, ...], sets: TaskSets, tasks: Int[Tensor, " piece"]

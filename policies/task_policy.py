@@ -17,7 +17,7 @@ from hexwar_sb3.players.frozen import FrozenPolicy
 from hexwar_sb3.players.frozen_lower import HEURISTIC_LOWER, Lower
 from hexwar_sb3.policies.agent import NETWORKS, AgentNetwork, TaskNetwork
 from hexwar_sb3.policies.mirrored import columns_of_the_camp, leave_out
-from hexwar_sb3.policies.mixers import MIXERS, Mixer
+from hexwar_sb3.policies.mixers import Mixer, mixer_of
 from hexwar_sb3.policies.shapes import TaskShapes
 from hexwar_sb3.policies.task_sets import pack_observation
 from hexwar_sb3.policies.trusted import TrustedFiles
@@ -36,7 +36,7 @@ class TaskPolicy(TrustedFiles, BasePolicy):
         observation_space: the task env's Dict; its `state` is not needed to act.
         action_space: a task of each piece.
         lr_schedule: learning rate as a function of SB3's progress.
-        mixer: "qmix", "vdn" or "iql".
+        mixer: "qmix", "vdn", "iql", "qplex" or "ow-qmix", or a subclass of `Mixer`.
         mixer_kwargs: further arguments of the mixer.
         state_dim: size of the mixer's state; None reads it from the observation space.
         network: "additive", or "literal" for layers over concatenations (the same functions, slower).
@@ -53,7 +53,7 @@ class TaskPolicy(TrustedFiles, BasePolicy):
         action_space: spaces.Space[Any],
         lr_schedule: Schedule,
         *,
-        mixer: str = "qmix",
+        mixer: str | type[Mixer] = "qmix",
         mixer_kwargs: dict[str, Any] | None = None,
         state_dim: int | None = None,
         network: str = "additive",
@@ -116,9 +116,8 @@ class TaskPolicy(TrustedFiles, BasePolicy):
             leave_out(layer, of_state)
 
     def _make_mixer(self) -> Mixer:
-        if self.mixer_name not in MIXERS:
-            raise UnknownNameError("mixer", self.mixer_name, MIXERS)
-        return MIXERS[self.mixer_name](self.shapes.n_pieces, self.state_dim, **self.mixer_kwargs)
+        kind = mixer_of(self.mixer_name)
+        return kind(self.shapes.n_pieces, self.state_dim, self.shapes.task_dim, **self.mixer_kwargs)
 
     def greedy(self, observation: Observation, agent: TaskNetwork | None = None) -> np.ndarray:
         """Best valid task of every piece in a batch of games [B, N], by the agent network as it is, or by another."""

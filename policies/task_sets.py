@@ -51,6 +51,10 @@ class TaskSets:
         """Valid task of the highest value for each piece; the first of equals."""
         return self.spread(q, torch.finfo(q.dtype).min).argmax(dim=1)
 
+    def highest(self, q: Float[Tensor, " row"]) -> Float[Tensor, " piece"]:
+        """Highest value of each piece's valid tasks."""
+        return self.spread(q, torch.finfo(q.dtype).min).amax(dim=1)
+
 
 def pack(obs: Float[Tensor, "*game piece obs"], tasks: Tensor, mask: Tensor) -> TaskSets:
     """Pack dense task sets.

@@ -53,7 +53,7 @@ from hexwar_sb3.algorithms.td_update import LOSSES, TDLearner
 from hexwar_sb3.errors import ConfigError
 from hexwar_sb3.players.frozen import FrozenPolicy
 from hexwar_sb3.policies.agent import NETWORKS
-from hexwar_sb3.policies.mixers import MIXERS
+from hexwar_sb3.policies.mixers import MIXERS, Mixer
 from hexwar_sb3.policies.shapes import SIZE_LIMITS, TaskShapes
 from hexwar_sb3.policies.task_policy import TaskPolicy
 
@@ -75,10 +75,17 @@ def update_every(value: Any) -> tuple[int, str]:
     raise Misfit(value, EVERY)
 
 
+def mixer_setting(value: Any) -> str | type[Mixer]:
+    """A mixer by its name, or a class of one's own, which no file holds."""
+    if isinstance(value, type) and issubclass(value, Mixer):
+        return value
+    return Choice("mixer", MIXERS)(value)
+
+
 POLICY_KWARGS = Parts(
     {
-        "mixer": Choice("mixer", MIXERS),
-        "mixer_kwargs": Parts({"embed": WIDTH, "hidden": WIDTH}),
+        "mixer": mixer_setting,
+        "mixer_kwargs": Parts({"embed": WIDTH, "hidden": WIDTH, "alpha": SHARE}),
         "state_dim": optional(Whole(1, SIZE_LIMITS["state_dim"])),
         "network": Choice("network", NETWORKS),
         "hidden": WIDTH,
@@ -130,7 +137,7 @@ class QMIX(TaskModel):
         ema_tau: share of the online agent network that goes into its mean, which `predict` and `freeze` take;
             more at first: it is a mean over the last tenth of the updates.
         final_learning_rate: where the learning rate ends, in a straight line over the env steps of `learn`; None keeps it.
-        mixer: "qmix", "vdn" or "iql".
+        mixer: "qmix", "vdn", "iql", "qplex" or "ow-qmix", or a subclass of `hexwar_sb3.policies.Mixer`.
         n_steps: steps of a transition; with `td_lambda` the length of its windows.
         td_lambda: λ of λ-returns; None takes n-step returns.
         double_q: the online network picks the next tasks, the target network values them.
@@ -185,7 +192,7 @@ class QMIX(TaskModel):
         *,
         ema_tau: float = 0.002,
         final_learning_rate: float | None = None,
-        mixer: str = "qmix",
+        mixer: str | type[Mixer] = "qmix",
         n_steps: int = 4,
         td_lambda: float | None = None,
         double_q: bool = True,

@@ -14,6 +14,8 @@ from hexwar_sb3.algorithms.beside import Here
 from hexwar_sb3.algorithms.replay import Batch, Situation
 from hexwar_sb3.algorithms.td_targets import lambda_returns
 from hexwar_sb3.errors import TrainingError, UnknownNameError
+from hexwar_sb3.policies.agent import TaskNetwork
+from hexwar_sb3.policies.mixers import Choices, Mixer
 from hexwar_sb3.policies.task_policy import TaskPolicy
 
 LOSSES = {"huber": nn.functional.smooth_l1_loss, "squared": nn.functional.mse_loss}
@@ -61,9 +63,12 @@ class TDLearner:
 
     def q_total(self, batch: Batch) -> Float[Tensor, "batch value"]:
         """Mixed value of the tasks that were played (a value a piece without a mixer), in scaled points."""
-        now = batch.now
-        agent_q = self.policy.agent.q_chosen(now.sets, batch.tasks).view_as(now.alive)
-        return self.policy.mixer(agent_q, now.state, now.alive)
+        return self.mixed_value(batch.now, batch.tasks)
+
+    def mixed_value(self, seen: Situation, tasks: Int[Tensor, " piece"]) -> Float[Tensor, "batch value"]:
+        """Mixed value of one task of each piece, by the online networks, in scaled points."""
+        agent = self.policy.agent
+        return _mixed(agent, self.policy.mixer, agent.encode(seen.sets), seen, tasks)
 
     def next_value(self, then: Situation) -> Float[Tensor, "batch value"]:
         """Target networks' value of the greedy valid tasks, in scaled points."""
@@ -80,8 +85,8 @@ class TDLearner:
         """Target networks' value of tasks that are still being computed, perhaps."""
         policy = self.policy
         encoded = policy.agent_target.encode(then.sets)
-        agent_q = policy.agent_target.chosen(encoded, then.sets, tasks.result()).view_as(then.alive)
-        return policy.mixer_target(agent_q, then.state, then.alive)
+        mixed = _mixed(policy.agent_target, policy.mixer_target, encoded, then, tasks.result())
+        return policy.mixer_target.next_values(mixed)
 
     def lambda_target(self, batch: Batch, reward: Tensor, next_value: Tensor) -> Float[Tensor, "batch value"]:
         """λ-returns of the windows, in the batch's flat order."""
@@ -98,7 +103,7 @@ class TDLearner:
 
     def mean_loss(self, batch: Batch, q_total: Tensor, target: Tensor) -> Float[Tensor, ""]:
         """Loss of the living, inside their episodes."""
-        weight = self.policy.mixer.weights(batch.now.alive) * batch.inside.unsqueeze(1)
+        weight = self.policy.mixer.weights(batch.now.alive, q_total, target) * batch.inside.unsqueeze(1)
         return (weight * LOSSES[self.loss](q_total, target, reduction="none")).sum() / weight.sum()
 
     def step(self, number: int) -> None:
@@ -119,3 +124,19 @@ class TDLearner:
             polyak_update(policy.trained, policy.targets, self.tau)
         share = max(self.ema_tau, TENTH / (number + TENTH))
         polyak_update(policy.agent.parameters(), policy.agent_mean.parameters(), share)
+
+
+def _mixed(
+    agent: TaskNetwork,
+    mixer: Mixer,
+    encoded: tuple[Tensor, ...],
+    seen: Situation,
+    tasks: Int[Tensor, " piece"],
+) -> Float[Tensor, "batch value"]:
+    """Mixed value of one task of each piece, whose networks have read the situation."""
+    sets, alive = seen.sets, seen.alive
+    choices = None
+    if mixer.reads_choices:
+        rows = sets.tasks[sets.rows_of(tasks)].view(*alive.shape, -1)
+        choices = Choices(sets.highest(agent.values(encoded, sets)).view_as(alive), rows)
+    return mixer(agent.chosen(encoded, sets, tasks).view_as(alive), seen.state, alive, choices)

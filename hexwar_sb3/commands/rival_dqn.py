@@ -118,6 +118,7 @@ class RivalDqn(FlatDqn):
     def new_model(self) -> RivalDQN:
         """SB3's DQN with our settings and additions."""
         learner = self.learner
+        learner["policy_kwargs"] = {**learner["policy_kwargs"], "optimizer_kwargs": {"fused": True}}
         model = RivalDQN(
             RivalPolicy,
             self.make_env(),

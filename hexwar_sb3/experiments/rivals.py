@@ -14,20 +14,19 @@ from hexwar_sb3.experiments.runs import NO_PLANS, RIVAL_DQN, TASK_PPO, Budget, P
 
 NAME, GAMES, FINAL_GAMES = "rivals", 2_000, 200
 SEEDS = (0,)
-SETTINGS = 24  # of each rival
+SETTINGS = 20  # of each rival
 HEADS = ("run", "win rate, %", "mean margin", "points held", "settings")
 Space = Mapping[str, tuple[tuple[str, ...], ...]]
 
 BOTH: Space = {
     "--learning-rate": (("1e-4",), ("3e-4",), ("1e-3",)),
-    "--net-arch": (("64", "64"), ("256", "256"), ("256", "128", "64")),
-    "--batch-size": (("64",), ("256",)),
+    "--net-arch": (("64", "64"), ("128", "128"), ("256", "128")),
+    "--batch-size": (("64",), ("128",)),
     "--reward": (("net",), ("paper",)),
     "--gamma": (("0.99",), ("0.95",)),
 }
 DQN_SPACE: Space = {
     **BOTH,
-    "--gradient-steps": (("1",), ("2",)),
     "--n-steps": (("1",), ("7",), ("28",), ("84",)),  # turns: up to twelve decisions
     "--target-update-turns": (("3200",), ("16000",)),
     "--stickiness": (("0.0",), ("0.8",)),

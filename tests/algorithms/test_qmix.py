@@ -11,16 +11,19 @@ from typing import Any, cast
 import numpy as np
 import pytest
 import torch
+from jaxtyping import Float
 from numpy.typing import NDArray
 from stable_baselines3.common.callbacks import CheckpointCallback, EvalCallback
 from stable_baselines3.common.evaluation import evaluate_policy
 from stable_baselines3.common.logger import configure
 from stable_baselines3.common.type_aliases import TrainFreq, TrainFrequencyUnit
 from stable_baselines3.common.vec_env import VecCheckNan, VecFrameStack, VecMonitor, VecNormalize
+from torch import Tensor
 
 from hexwar_sb3.algorithms.presets import PRESETS
 from hexwar_sb3.algorithms.qmix import QMIX, chunk_sizes
-from hexwar_sb3.errors import ConfigError, TrainingError, UnknownNameError
+from hexwar_sb3.errors import CheckpointError, ConfigError, TrainingError, UnknownNameError
+from hexwar_sb3.policies.mixers import MIXERS, Choices, Mixer
 
 MakeEnv = Callable[..., VecMonitor]
 MakeModel = Callable[..., QMIX]
@@ -34,7 +37,7 @@ def weights(model: QMIX) -> torch.Tensor:
     return torch.cat([parameter.detach().flatten() for parameter in model.policy.trained])
 
 
-@pytest.mark.parametrize("mixer", ["qmix", "vdn", "iql"])
+@pytest.mark.parametrize("mixer", MIXERS)
 def test_it_plays_valid_tasks_only_and_changes_its_weights(make_model: MakeModel, mixer: str) -> None:
     """The toy env fails at a masked task; piece 2 dies, decisions have uneven lengths."""
     model = make_model(mixer=mixer)
@@ -44,6 +47,34 @@ def test_it_plays_valid_tasks_only_and_changes_its_weights(make_model: MakeModel
 
     assert not torch.equal(weights(model), before)
     assert torch.isfinite(weights(model)).all()
+
+
+class Mean(Mixer):
+    """A mixer of somebody's own."""
+
+    def mix(
+        self,
+        agent_q: Float[Tensor, "batch piece"],
+        state: Float[Tensor, "batch state"],
+        choices: Choices | None = None,
+    ) -> Float[Tensor, "batch 1"]:
+        return agent_q.mean(dim=1, keepdim=True)
+
+
+def test_a_mixer_of_your_own_learns_and_is_given_again_when_loaded(
+    make_model: MakeModel, tmp_path: Path
+) -> None:
+    """No file holds a class."""
+    model = make_model(mixer=Mean).learn(60)
+    with pytest.warns(UserWarning, match="policy_kwargs cannot be saved as plain values"):
+        model.save(tmp_path / "model.zip")
+
+    with pytest.raises(CheckpointError, match="custom_objects"):
+        QMIX.load(tmp_path / "model.zip")
+    again = QMIX.load(tmp_path / "model.zip", custom_objects={"policy_kwargs": model.policy_kwargs})
+
+    assert isinstance(again.policy.mixer, Mean)
+    assert torch.equal(weights(again), weights(model))
 
 
 def test_the_replay_is_filled_and_nothing_learns(make_model: MakeModel) -> None:

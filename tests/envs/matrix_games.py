@@ -1,7 +1,7 @@
 """Tiny cooperative games with known solutions, as PettingZoo parallel envs: they check a learner.
 
 Sources: the two-step game is that of Rashid et al. 2018; penalty and climbing are those of Claus and
-Boutilier 1998, repeated 25 times as in Papoudakis et al. 2021.
+Boutilier 1998, repeated 25 times as in Papoudakis et al. 2021; the one-step game is that of Son et al. 2019.
 """
 
 from __future__ import annotations
@@ -18,6 +18,7 @@ from pettingzoo import ParallelEnv
 AGENTS = ("row", "column")
 PENALTY = ((0, 0, 10), (0, 2, 0), (10, 0, 0))
 CLIMBING = ((11, -30, 0), (-30, 7, 6), (0, 0, 5))
+ONE_STEP = ((8, -12, -12), (-12, 0, 0), (-12, 0, 0))
 TWO_STEP = (((7, 7), (7, 7)), ((0, 1), (1, 8)))  # what is played at 2A and at 2B
 ROUNDS = 25  # of a repeated game
 
@@ -100,19 +101,20 @@ class TwoStepGame(MatrixGame):
 
 
 class RepeatedGame(MatrixGame):
-    """One table, played 25 times.
+    """One table, played 25 times, or as often as you say.
 
     Args:
         payoffs: reward of [row action, column action].
+        rounds: times that it is played.
     """
 
-    def __init__(self, payoffs: Payoffs) -> None:
+    def __init__(self, payoffs: Payoffs, rounds: int = ROUNDS) -> None:
         super().__init__(n_actions=len(payoffs), n_features=1)
-        self.payoffs, self.played = payoffs, 0
+        self.payoffs, self.rounds, self.played = payoffs, rounds, 0
 
     def state(self) -> Features:
         """Share of the rounds that were played."""
-        return np.array([self.played / ROUNDS], np.float32)
+        return np.array([self.played / self.rounds], np.float32)
 
     def begin(self) -> None:
         """Forget the rounds that were played."""
@@ -121,4 +123,4 @@ class RepeatedGame(MatrixGame):
     def play(self, row: int, column: int) -> tuple[float, bool]:
         """Be paid; over after the last round."""
         self.played += 1
-        return float(self.payoffs[row][column]), self.played == ROUNDS
+        return float(self.payoffs[row][column]), self.played == self.rounds

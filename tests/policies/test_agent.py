@@ -89,8 +89,9 @@ def test_the_value_of_the_chosen_task_is_that_of_the_whole_table(network: TaskNe
     obs, tasks, mask = random_sets()
     table = network(obs, tasks, mask).flatten(0, 1)
     chosen = mask.flatten(0, 1).float().multinomial(1, generator=torch.Generator().manual_seed(2)).squeeze(1)
+    sets = pack(obs, tasks, mask)
 
-    q = network.q_chosen(pack(obs, tasks, mask), chosen)
+    q = network.chosen(network.encode(sets), sets, chosen)
 
     torch.testing.assert_close(q, table.gather(1, chosen.unsqueeze(1)).squeeze(1))
 
@@ -133,7 +134,8 @@ def test_gradients_of_the_packed_form_are_those_of_the_table() -> None:
     obs, tasks, mask = random_sets()
     chosen = torch.zeros(12, dtype=torch.long)
 
-    agent.q_chosen(pack(obs, tasks, mask), chosen).sum().backward()  # type: ignore[no-untyped-call]
+    sets = pack(obs, tasks, mask)
+    agent.chosen(agent.encode(sets), sets, chosen).sum().backward()  # type: ignore[no-untyped-call]
     packed = [parameter.grad.clone() for parameter in agent.parameters() if parameter.grad is not None]
     agent.zero_grad()
     agent(obs, tasks, mask)[:, :, 0].sum().backward()
