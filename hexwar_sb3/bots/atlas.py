@@ -15,11 +15,11 @@ from hexwar_sb3.bots.records import ATLAS, BAND_CELLS, POSTS, REACH, SHELTERS, S
 from hexwar_sb3.engine.fire import height_correction
 from hexwar_sb3.engine.pieces import target_class
 from hexwar_sb3.engine.records import NO_CELL
-from hexwar_sb3.engine.sight import line_of_sight
 from hexwar_sb3.engine.world import World
 from hexwar_sb3.kernels import Row, Rows, kernel
-from hexwar_sb3.maps.cells import Cells, Sightlines, TravelTimes
+from hexwar_sb3.maps.cells import Cells, Sightlines
 from hexwar_sb3.maps.geometry import cells_apart
+from hexwar_sb3.maps.sightlines import line_of_sight
 from hexwar_sb3.rules.compiled import NO_POOL, RulesRecord
 from hexwar_sb3.rules.enums import Camp, HopClass, PieceType, Weapon
 from hexwar_sb3.rules.indices import CampIndex, CellIndex, cell_range
@@ -86,7 +86,8 @@ def _best_posts(
 ) -> npt.NDArray[np.int64]:
     """The best firing cells of one band, best first; ties by the cell in the camp's frame."""
     worth = np.full(world.cells.size, -np.inf)
-    rate_posts(point, nearest, farthest, CellIndex(row.home[camp]), world.cells, world.los, world.eta, worth)
+    ways = world.terrain.times_from(HopClass.VEHICLE, int(row.home[camp]))
+    rate_posts(point, nearest, farthest, ways, world.cells, world.los, worth)
     return _best(worth, camp, world.cells, POSTS)
 
 
@@ -102,23 +103,25 @@ def rate_posts(
     point: CellIndex,
     nearest: int,
     farthest: int,
-    home: CellIndex,
+    ways: Rows,
     cells: Cells,
     los: Sightlines,
-    eta: TravelTimes,
     worth: Rows,
 ) -> None:
-    """Write to worth[cell] how good each cell is as a firing post of a control point (bots.md, section 1)."""
+    """Write to worth[cell] how good each cell is as a firing post of a control point (bots.md, section 1).
+
+    ways: base hops of a vehicle from home to each cell [NC].
+    """
     for cell in cell_range(cells.size):
         apart = cells_apart(cells, cell, point)
-        way = eta[HopClass.VEHICLE, cell, home]
+        way = ways[cell]
         if apart < nearest or apart > farthest or cells[cell].passable == 0 or way == NO_WAY:
             continue
-        if not line_of_sight(los, 0, cell, point):
+        if not line_of_sight(los, 0, cell, point, cells):
             continue
         seen = 0
         for near in cell_range(cells.size):
-            if cells_apart(cells, near, point) <= VIEW_CELLS and line_of_sight(los, 0, cell, near):
+            if cells_apart(cells, near, point) <= VIEW_CELLS and line_of_sight(los, 0, cell, near, cells):
                 seen += 1
         score = 0.1 * seen - 0.1 * way
         if cells[cell].concealed:

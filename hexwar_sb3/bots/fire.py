@@ -5,6 +5,8 @@ Direct fire is the executor's; a bot only sets its style in the missions.
 
 from __future__ import annotations
 
+import numpy as np
+
 from hexwar_sb3.bots.config import BotConfig, Style
 from hexwar_sb3.bots.records import BrainRecord
 from hexwar_sb3.engine.pieces import is_settled, on_map, weapon_ammo
@@ -39,7 +41,7 @@ def guide_missiles(
 ) -> None:  # fmt: skip
     """Pair guiders (aerocraft first) with idle chariots, unless a direct shot is about as good."""
     first, end = first_piece(camp, game), end_piece(camp, game)
-    taken = 0
+    taken = np.uint64(0)
     for flying in (True, False):
         for i in piece_range(first, end):
             if pieces[i].sees == 0 or (pieces[i].kind == PieceType.AEROCRAFT) != flying:

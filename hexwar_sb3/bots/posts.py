@@ -15,10 +15,10 @@ from hexwar_sb3.bots.weigh import (
 )
 from hexwar_sb3.engine.pieces import stands_in
 from hexwar_sb3.engine.records import NO_CELL, NO_PIECE, GameRecord, Memory, Pieces
-from hexwar_sb3.engine.sight import line_of_sight
 from hexwar_sb3.kernels import kernel
 from hexwar_sb3.maps.cells import Cells, Sightlines, TravelTimes
 from hexwar_sb3.maps.geometry import cells_apart
+from hexwar_sb3.maps.sightlines import line_of_sight
 from hexwar_sb3.rules.compiled import RulesRecord
 from hexwar_sb3.rules.enums import PieceType
 from hexwar_sb3.rules.indices import CampIndex, CellIndex, PieceIndex, PointIndex, SlotIndex, piece_range
@@ -135,7 +135,7 @@ def lasting_worth(
 ) -> float:  # fmt: skip
     """What a cell is worth whoever is known: cover, and a duel with a tank that stands on the point."""
     worth = style.cover_weight * cells[cell].concealed
-    if not line_of_sight(los, 0, point, cell):  # a row of the matrix for all cells that are looked at
+    if not line_of_sight(los, 0, point, cell, cells):  # from one window for all cells that are looked at
         return worth
     worth += style.reach_weight * danger_of(row, cell, PieceType.TANK, point, 0, cells, atlas)
     if cells_apart(cells, cell, point) <= exposed_reach(PieceType.TANK, kind, cell, rules, cells):

@@ -8,7 +8,7 @@ from hexwar_sb3.bots.config import BotConfig, Style
 from hexwar_sb3.bots.drawn_records import SQUADS, STAGES, CharacterRecord
 from hexwar_sb3.engine.fields import ANY_U4
 from hexwar_sb3.engine.records import MAX_PIECES, MAX_POINTS, MAX_SIDE, NO_CELL
-from hexwar_sb3.records import F4, I1, I2, U1, U4, Block, Table, Vector, dtype_of, of_shape, within
+from hexwar_sb3.records import F4, I1, I2, I4, U1, U4, Block, Table, Vector, dtype_of, of_shape, within
 from hexwar_sb3.rules.indices import CampIndex, CellIndex, PieceIndex, PointIndex, SlotIndex
 
 BANDS = 4  # of distances from a control point
@@ -37,7 +37,7 @@ class BrainRecord:
     # control point that each piece works for
     point: Vector[SlotIndex, I1[PointIndex]] = within(0, "last_point", (MAX_SIDE,))
     # firing cell of each piece; NO_CELL
-    post: Vector[SlotIndex, I2[CellIndex]] = within(NO_CELL, "last_cell", (MAX_SIDE,))
+    post: Vector[SlotIndex, I4[CellIndex]] = within(NO_CELL, "last_cell", (MAX_SIDE,))
     # control point + 1 that a soldier was set down for; 0: none yet
     dropped_for: Vector[SlotIndex, I1[int]] = within(0, ("last_point", 1), (MAX_SIDE,))
     # slot that is to take a point; NOBODY
@@ -51,7 +51,7 @@ class BrainRecord:
     # in what is known of each enemy, 0..1, at the last thought
     trust: Vector[PieceIndex, F4[float]] = within(0, 1, (MAX_PIECES,))
     # cells that the piece at hand looks at as posts
-    choices: Vector[int, I2[CellIndex]] = within(NO_CELL, "last_cell", (CHOICES,))
+    choices: Vector[int, I4[CellIndex]] = within(NO_CELL, "last_cell", (CHOICES,))
     # losses expected of the shots given in this step
     allotted: Vector[PieceIndex, I2[int]] = within(0, "losses", (MAX_PIECES,))
     # of each squad's timetable; of "drawn" 1 once its feint is over
@@ -71,9 +71,9 @@ class AtlasRecord:
     width: I2[int]
     height: I2[int]
     rank: Vector[int, I1[PointIndex]] = of_shape(MAX_POINTS)  # control points, most valuable first
-    home: Vector[CampIndex, I2[CellIndex]] = of_shape(2)  # [camp] cell of its first piece at the start
+    home: Vector[CampIndex, I4[CellIndex]] = of_shape(2)  # [camp] cell of its first piece at the start
     # [camp, point, band] cells with a view of the point, best first
-    post: Block[I2[CellIndex]] = of_shape(2, MAX_POINTS, BANDS, POSTS)
+    post: Block[I4[CellIndex]] = of_shape(2, MAX_POINTS, BANDS, POSTS)
     # [shooter or SPENT, target, sheltered, steps uphill, distance] expected points at full blood
     danger: Block[F4[float]] = of_shape(SPENT + 1, 4, SHELTERS, UPHILL, REACH)
     best_gain: Vector[int, F4[float]] = of_shape(4)  # [shooter] most that `gain_at` can say

@@ -11,6 +11,7 @@ from hexwar_sb3.engine.fire import clamp
 from hexwar_sb3.engine.pieces import on_map, target_class, weapon_ammo
 from hexwar_sb3.engine.records import GameRecord, Memory, PieceRecord, Pieces
 from hexwar_sb3.engine.score import known_margin, points_value
+from hexwar_sb3.engine.sight import has_line, sees_itself
 from hexwar_sb3.kernels import kernel
 from hexwar_sb3.maps.cells import Cells, Sightlines
 from hexwar_sb3.maps.geometry import cells_apart
@@ -20,10 +21,8 @@ from hexwar_sb3.rules.indices import CampIndex, CellIndex, PieceIndex, piece_ran
 from hexwar_sb3.tasks.known import (
     end_piece,
     first_piece,
-    has_line_from,
     is_known,
     reach_of_sight,
-    sees_itself,
 )
 
 
@@ -86,7 +85,7 @@ def threat_at(
         if cells_apart(cells, cell, known.cell) > exposed_reach(enemy, kind, cell, rules, cells):
             continue
         danger = danger_of(enemy, known.cell, kind, cell, int(cells[cell].concealed), cells, atlas)
-        if danger > 0.0 and has_line_from(enemy, known.cell, kind, cell, los):
+        if danger > 0.0 and has_line(enemy, known.cell, kind, cell, cells, los):
             total += trust * danger * known.blood / float(rules.blood[enemy])
     return total
 
@@ -119,7 +118,7 @@ def gain_at(
             continue
         shelter = int(cells[known.cell].concealed) + int(known.hidden)
         value = trust * danger_of(row, cell, target, known.cell, shelter, cells, atlas)
-        if value > second and has_line_from(target, known.cell, kind, cell, los):
+        if value > second and has_line(target, known.cell, kind, cell, cells, los):
             if value > best:
                 best, second = value, best
             else:
@@ -142,7 +141,7 @@ def guided_gain(
             continue
         for n in range(brain.n_foes):
             j = brain.foes[n]
-            if not sees_itself(soldier, j) or target_class(pieces[j].kind) != TargetClass.VEHICLE:
+            if not sees_itself(soldier, pieces[j]) or target_class(pieces[j].kind) != TargetClass.VEHICLE:
                 continue
             known = memory[camp, j]
             shelter = int(cells[known.cell].concealed) + int(known.hidden)

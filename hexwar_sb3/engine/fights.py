@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from hexwar_sb3.engine.codes import Event
 from hexwar_sb3.engine.dice import throw
 from hexwar_sb3.engine.events import note
@@ -22,8 +20,6 @@ from hexwar_sb3.maps.cells import Cells
 from hexwar_sb3.rules.compiled import RulesRecord
 from hexwar_sb3.rules.enums import Action, Camp, Dice, PieceType
 from hexwar_sb3.rules.indices import CampIndex, CellIndex, PieceIndex, piece_range
-
-_ONE = np.uint32(1)
 
 
 @kernel
@@ -78,7 +74,7 @@ def close_target(
 @kernel
 def fire_exchanges(game: GameRecord, pieces: Pieces, log: Log, rules: RulesRecord, cells: Cells) -> None:
     """Exchanges due in this step: everybody in the cell fires, from the same state."""
-    for f in range(game.fight_cell.size):
+    for f in range(game.n_fights):
         if game.fight_cell[f] == NO_CELL or game.fight_next[f] > game.tick:
             continue
         cell = game.fight_cell[f]
@@ -128,9 +124,8 @@ def spend_close_rounds(pieces: Pieces) -> None:
 
 
 @kernel
-def open_fights(game: GameRecord, pieces: Pieces, log: Log) -> np.uint32:
-    """First contact: start the clock of the cell, stop everybody in it; bits of those pieces."""
-    touched = np.uint32(0)
+def open_fights(game: GameRecord, pieces: Pieces, log: Log) -> None:
+    """First contact: start the clock of the cell, stop everybody in it."""
     for i in piece_range(pieces.size):
         cell = pieces[i].cell
         if (
@@ -140,25 +135,30 @@ def open_fights(game: GameRecord, pieces: Pieces, log: Log) -> np.uint32:
         ):
             continue
         if _fight_at(cell, game) < 0:
-            f = _fight_at(NO_CELL, game)
+            f = _free_row(game)
+            game.n_fights = max(game.n_fights, f + 1)
             game.fight_cell[f] = cell
             game.fight_next[f] = game.tick + 1
-            touched |= _halt_all(cell, pieces)
+            _halt_all(cell, pieces)
             note(game, log, Event.FIRST_CONTACT, i, NO_PIECE, cell, 0)
-    return touched
 
 
 @kernel
 def _fight_at(cell: CellIndex, game: GameRecord) -> int:
-    for f in range(game.fight_cell.size):
+    for f in range(game.n_fights):
         if game.fight_cell[f] == cell:
             return f
     return -1
 
 
 @kernel
-def _halt_all(cell: CellIndex, pieces: Pieces) -> np.uint32:
-    bits = np.uint32(0)
+def _free_row(game: GameRecord) -> int:
+    free = _fight_at(NO_CELL, game)
+    return int(game.n_fights) if free < 0 else free
+
+
+@kernel
+def _halt_all(cell: CellIndex, pieces: Pieces) -> None:
     for i in piece_range(pieces.size):
         if not stands_in(pieces[i], cell):
             continue
@@ -166,17 +166,18 @@ def _halt_all(cell: CellIndex, pieces: Pieces) -> np.uint32:
         pieces[i].stop_ends = NEVER
         pieces[i].stop_forced = 0
         cancel_transitions(i, pieces)
-        bits |= _ONE << np.uint32(i)
-    return bits
+        pieces[i].changed_now = 1
 
 
 @kernel
 def close_fights(game: GameRecord, pieces: Pieces) -> None:
     """End the close combats of cells that no longer hold both camps."""
-    for f in range(game.fight_cell.size):
+    for f in range(game.n_fights):
         cell = game.fight_cell[f]
         if cell == NO_CELL:
             continue
         if count_in(pieces, Camp.RED, cell) == 0 or count_in(pieces, Camp.BLUE, cell) == 0:
             game.fight_cell[f] = NO_CELL
             game.fight_next[f] = NEVER
+    while game.n_fights > 0 and game.fight_cell[game.n_fights - 1] == NO_CELL:
+        game.n_fights -= 1

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from hexwar_sb3.engine.codes import Event
 from hexwar_sb3.engine.events import note
 from hexwar_sb3.engine.pieces import cancel_transitions, clear_boarding, clear_path, has_path, hop_progress
@@ -13,24 +11,20 @@ from hexwar_sb3.rules.compiled import RulesRecord
 from hexwar_sb3.rules.enums import PieceType
 from hexwar_sb3.rules.indices import PieceIndex, piece_range
 
-_ONE = np.uint32(1)
-
 
 @kernel
-def apply_results(game: GameRecord, pieces: Pieces, log: Log, rules: RulesRecord) -> np.uint32:
-    """Apply all collected results together; bits of the pieces that died."""
-    dead = np.uint32(0)
+def apply_results(game: GameRecord, pieces: Pieces, log: Log, rules: RulesRecord) -> None:
+    """Apply all collected results together."""
     for i in piece_range(pieces.size):
         if pieces[i].hit_now:
-            dead |= _suffer(i, game, pieces, log, rules)
+            _suffer(i, game, pieces, log, rules)
             pieces[i].hit_now = 0
             pieces[i].zero_now = 0
             pieces[i].losses_now = 0
-    return dead
 
 
 @kernel
-def _suffer(i: PieceIndex, game: GameRecord, pieces: Pieces, log: Log, rules: RulesRecord) -> np.uint32:
+def _suffer(i: PieceIndex, game: GameRecord, pieces: Pieces, log: Log, rules: RulesRecord) -> None:
     piece = pieces[i]
     losses = int(piece.losses_now)
     before = piece.suppressed and piece.keep_ends < game.tick + rules.keep_ticks  # not in this step
@@ -42,10 +36,11 @@ def _suffer(i: PieceIndex, game: GameRecord, pieces: Pieces, log: Log, rules: Ru
         game.loss_tick[piece.camp] = game.tick + 1
         note(game, log, Event.LOSS, i, NO_PIECE, piece.cell, losses)
     if piece.blood == 0:
-        return die_with_passenger(i, game, pieces, log)
+        die_with_passenger(i, game, pieces, log)
+        return
     if piece.kind != PieceType.AEROCRAFT:
         _suppress(i, game, pieces, log, rules)
-    return _hurt_passenger(i, losses, game, pieces, log)
+    _hurt_passenger(i, losses, game, pieces, log)
 
 
 @kernel
@@ -61,33 +56,32 @@ def _suppress(i: PieceIndex, game: GameRecord, pieces: Pieces, log: Log, rules: 
 
 
 @kernel
-def _hurt_passenger(i: PieceIndex, losses: int, game: GameRecord, pieces: Pieces, log: Log) -> np.uint32:
+def _hurt_passenger(i: PieceIndex, losses: int, game: GameRecord, pieces: Pieces, log: Log) -> None:
     """A chariot that loses n vehicles costs its passenger min(n, squads) (section 13)."""
     p = pieces[i].passenger
     if p == NO_PIECE or losses == 0:
-        return np.uint32(0)
+        return
     losses = min(losses, int(pieces[p].blood))
     pieces[p].blood -= losses
     note(game, log, Event.LOSS, p, i, pieces[i].cell, losses)
     if pieces[p].blood > 0:
-        return np.uint32(0)
+        return
     pieces[i].passenger = NO_PIECE
     cancel_transitions(i, pieces)
-    return _die(p, game, pieces, log)
+    _die(p, game, pieces, log)
 
 
 @kernel
-def die_with_passenger(i: PieceIndex, game: GameRecord, pieces: Pieces, log: Log) -> np.uint32:
+def die_with_passenger(i: PieceIndex, game: GameRecord, pieces: Pieces, log: Log) -> None:
     """Destroy a piece and whoever rides in it."""
     p = pieces[i].passenger
-    bits = _die(i, game, pieces, log)
+    _die(i, game, pieces, log)
     if p != NO_PIECE:
-        bits |= _die(p, game, pieces, log)
-    return bits
+        _die(p, game, pieces, log)
 
 
 @kernel
-def _die(i: PieceIndex, game: GameRecord, pieces: Pieces, log: Log) -> np.uint32:
+def _die(i: PieceIndex, game: GameRecord, pieces: Pieces, log: Log) -> None:
     piece = pieces[i]
     cancel_transitions(i, pieces)
     clear_boarding(piece)
@@ -102,5 +96,5 @@ def _die(i: PieceIndex, game: GameRecord, pieces: Pieces, log: Log) -> np.uint32
     piece.keep_ends = NEVER
     piece.passenger = NO_PIECE
     piece.carrier = NO_PIECE
+    piece.changed_now = 1
     note(game, log, Event.DEAD, i, NO_PIECE, piece.cell, 0)
-    return _ONE << np.uint32(i)

@@ -5,8 +5,6 @@ One function an action; each returns a `Code`, OK where the order may be given.
 
 from __future__ import annotations
 
-import numpy as np
-
 from hexwar_sb3.engine.codes import Code
 from hexwar_sb3.engine.fire import attack_level
 from hexwar_sb3.engine.pieces import (
@@ -23,14 +21,13 @@ from hexwar_sb3.engine.pieces import (
     weapon_ammo,
 )
 from hexwar_sb3.engine.records import NEVER, NO_PIECE, NO_POINT, GameRecord, OrderRecord, PieceRecord, Pieces
+from hexwar_sb3.engine.sight import sees_itself
 from hexwar_sb3.kernels import kernel
 from hexwar_sb3.maps.cells import Cells
 from hexwar_sb3.maps.geometry import cells_apart
 from hexwar_sb3.rules.compiled import NO_POOL, RulesRecord
 from hexwar_sb3.rules.enums import Action, PieceType, TargetClass, Weapon
 from hexwar_sb3.rules.indices import CampIndex, CellIndex, PieceIndex, PointIndex, point_range
-
-_ONE = np.uint32(1)
 
 
 @kernel
@@ -147,7 +144,7 @@ def target_code(i: PieceIndex, t: PieceIndex, game: GameRecord, pieces: Pieces) 
         return Code.TARGET_GONE
     if pieces[t].camp == pieces[i].camp:
         return Code.NOT_ENEMY
-    if not on_map(pieces[t]) or (np.uint32(pieces[i].sees) >> np.uint32(t)) & _ONE == 0:
+    if not on_map(pieces[t]) or not sees_itself(pieces[i], pieces[t]):
         return Code.TARGET_GONE
     if in_fight(game, pieces[t]):
         return Code.TARGET_IN_FIGHT

@@ -24,15 +24,15 @@ from hexwar_sb3.engine.records import (
     RoundRecord,
     Rounds,
 )
-from hexwar_sb3.engine.sight import has_line
+from hexwar_sb3.engine.sight import has_line, sees_itself
 from hexwar_sb3.kernels import kernel
 from hexwar_sb3.maps.cells import Cells, Sightlines
 from hexwar_sb3.maps.geometry import cells_apart, frame_direction
 from hexwar_sb3.rules.compiled import NO_EFFECT, SCATTER_HIT, RulesRecord
 from hexwar_sb3.rules.enums import Action, Dice, PieceType, Weapon
-from hexwar_sb3.rules.indices import CampIndex, CellIndex, PieceIndex, piece_range
+from hexwar_sb3.rules.indices import CampIndex, CellIndex, PieceIndex, camp_range, piece_range
 
-_ONE = np.uint32(1)
+_ONE = np.uint64(1)
 _OBSERVER_SEES, _OBSERVER_LOOKS, _NO_OBSERVER = 2, 1, 0
 
 
@@ -63,7 +63,8 @@ def launch(
         shell.fired_at = game.tick
         shell.land_at = game.tick + rules.flight_ticks
         shell.end_at = game.tick + rules.burst_ticks
-        shell.judged = np.uint32(0)
+        for side in camp_range(2):
+            shell.judged[side] = np.uint64(0)
         break
     spend_round(piece, Weapon.MORTAR, rules)
     piece.mortar_ends = game.tick + rules.mortar_cool_ticks
@@ -92,11 +93,10 @@ def observer_class(
     for i in piece_range(pieces.size):
         if pieces[i].camp != camp or not on_map(pieces[i]):
             continue
-        if not has_line(pieces[i], PieceType.TANK, cell, los):
+        if not has_line(pieces[i].kind, pieces[i].cell, PieceType.TANK, cell, cells, los):
             continue
         for j in piece_range(pieces.size):
-            seen = (np.uint32(pieces[i].sees) >> np.uint32(j)) & _ONE == 1
-            if seen and pieces[j].cell == cell:
+            if pieces[j].camp != camp and pieces[j].cell == cell and sees_itself(pieces[i], pieces[j]):
                 return _OBSERVER_SEES
         if cells_apart(cells, pieces[i].cell, cell) <= rules.observer_cells:
             best = _OBSERVER_LOOKS
@@ -157,11 +157,11 @@ def judge(
     cells: Cells,
 ) -> None:
     """Throw for one piece in the impact cell, own or enemy; once a burst."""
-    bit = _ONE << np.uint32(i)
-    if np.uint32(shell.judged) & bit != 0:
-        return
-    shell.judged |= bit
     piece = pieces[i]
+    bit = _ONE << np.uint64(piece.slot)
+    if shell.judged[piece.camp] & bit != 0:
+        return
+    shell.judged[piece.camp] |= bit
     owner = pieces[shell.owner]
     roll = two_dice(game, game.tick, Dice.INDIRECT, owner, piece, 0)
     raw = int(rules.burst_result[shell.hit, roll])
@@ -192,7 +192,6 @@ def burst_mods(piece: PieceRecord, guns: int, pieces: Pieces, rules: RulesRecord
 
 @kernel
 def judge_entering(
-    entered: np.uint32,
     game: GameRecord,
     pieces: Pieces,
     rounds: Rounds,
@@ -205,6 +204,7 @@ def judge_entering(
         if rounds[r].status != ROUND_BURSTING:
             continue
         for i in piece_range(pieces.size):
-            came = (entered >> np.uint32(i)) & _ONE == 1
-            if came and stands_in(pieces[i], rounds[r].impact):
+            if pieces[i].came_now and stands_in(pieces[i], rounds[r].impact):
                 judge(i, rounds[r], game, pieces, log, rules, cells)
+    for i in piece_range(pieces.size):
+        pieces[i].came_now = 0

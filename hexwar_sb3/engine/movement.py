@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from hexwar_sb3.engine.codes import Event
 from hexwar_sb3.engine.dice import priority
 from hexwar_sb3.engine.events import note
@@ -31,8 +29,6 @@ from hexwar_sb3.maps.cells import Cells
 from hexwar_sb3.rules.compiled import RulesRecord
 from hexwar_sb3.rules.enums import PieceType
 from hexwar_sb3.rules.indices import CampIndex, CellIndex, PieceIndex, camp_range, piece_range
-
-_ONE = np.uint32(1)
 
 
 @kernel
@@ -99,60 +95,62 @@ def _is_full(piece: PieceRecord, cell: CellIndex, pieces: Pieces, rules: RulesRe
 @kernel
 def arrive(
     game: GameRecord, pieces: Pieces, paths: Paths, log: Log, rules: RulesRecord, cells: Cells
-) -> np.uint32:
-    """End the hops due in this step; bits of the pieces that came into a new cell."""
-    ready = np.uint32(0)
-    for i in piece_range(pieces.size):
-        if pieces[i].arrives_at <= game.tick + 1:
-            ready |= _ONE << np.uint32(i)
-    if ready == 0:
-        return ready
-    arrived = np.uint32(0)
+) -> bool:
+    """End the hops due in this step; True if any piece came into a new cell."""
+    if not _is_any_ready(game, pieces):
+        return False
+    entered = False
     for camp in camp_range(2):
-        arrived |= _arrive_camp(camp, ready, game, pieces, paths, log, rules, cells)
-    _wait_outside(ready & ~arrived, pieces)
-    return arrived
+        entered |= _arrive_camp(camp, game, pieces, paths, log, rules, cells)
+    _wait_outside(game, pieces)
+    return entered
+
+
+@kernel
+def _is_ready(piece: PieceRecord, game: GameRecord) -> bool:
+    """Its hop is due, and it did not enter yet."""
+    return piece.arrives_at <= game.tick + 1
+
+
+@kernel
+def _is_any_ready(game: GameRecord, pieces: Pieces) -> bool:
+    for i in piece_range(pieces.size):
+        if _is_ready(pieces[i], game):
+            return True
+    return False
 
 
 @kernel
 def _arrive_camp(
     camp: CampIndex,
-    ready: np.uint32,
     game: GameRecord,
     pieces: Pieces,
     paths: Paths,
     log: Log,
     rules: RulesRecord,
     cells: Cells,
-) -> np.uint32:
-    """Passes over the camp's ready pieces in order of priority until nobody else finds room."""
-    arrived = np.uint32(0)
+) -> bool:
+    """Passes over the camp's ready pieces in order of priority until nobody else finds room; True if any did."""
+    entered = False
     moved = True
     while moved:
         moved = False
-        i = _next_in_order(NO_PIECE, camp, ready, game, pieces)
+        i = _next_in_order(NO_PIECE, camp, game, pieces)
         while i != NO_PIECE:
-            bit = _ONE << np.uint32(i)
-            if arrived & bit == 0:
-                target = next_cell_of(pieces[i], paths[i], cells)
-                if not _is_full(pieces[i], target, pieces, rules):
-                    _enter(i, target, game, pieces, log, rules)
-                    arrived |= bit
-                    moved = True
-            i = _next_in_order(i, camp, ready, game, pieces)
-        if arrived == ready:
-            break
-    return arrived
+            target = next_cell_of(pieces[i], paths[i], cells)
+            if not _is_full(pieces[i], target, pieces, rules):
+                _enter(i, target, game, pieces, log, rules)
+                entered = moved = True
+            i = _next_in_order(i, camp, game, pieces)
+    return entered
 
 
 @kernel
-def _next_in_order(
-    last: PieceIndex, camp: CampIndex, ready: np.uint32, game: GameRecord, pieces: Pieces
-) -> PieceIndex:
+def _next_in_order(last: PieceIndex, camp: CampIndex, game: GameRecord, pieces: Pieces) -> PieceIndex:
     """The ready piece of the camp that follows piece `last` in priority; NO_PIECE after the end."""
     best = NO_PIECE
     for i in piece_range(pieces.size):
-        if pieces[i].camp != camp or (ready >> np.uint32(i)) & _ONE == 0 or i == last:
+        if pieces[i].camp != camp or not _is_ready(pieces[i], game) or i == last:
             continue
         rank = priority(game, game.tick, pieces[i])
         if last != NO_PIECE and rank <= priority(game, game.tick, pieces[last]):
@@ -170,6 +168,8 @@ def _enter(
     piece.cell = cell
     piece.arrives_at = NEVER
     piece.arrived_at = game.tick + 1
+    piece.came_now = 1
+    piece.changed_now = 1
     piece.path_pos += 1
     if piece.passenger != NO_PIECE:
         pieces[piece.passenger].cell = cell
@@ -182,9 +182,9 @@ def _enter(
 
 
 @kernel
-def _wait_outside(bits: np.uint32, pieces: Pieces) -> None:
+def _wait_outside(game: GameRecord, pieces: Pieces) -> None:
     """Pieces that found no room start their hop again from nothing when there is room."""
     for i in piece_range(pieces.size):
-        if (bits >> np.uint32(i)) & _ONE == 1:
+        if _is_ready(pieces[i], game):
             pieces[i].arrives_at = NEVER
             pieces[i].waiting = 1

@@ -71,7 +71,7 @@ def in_fight(game: GameRecord, piece: PieceRecord) -> bool:
     """In close combat: a ground piece in a cell that holds both camps (section 10)."""
     if not is_ground(piece) or piece.carrier != NO_PIECE:
         return False
-    for f in range(game.fight_cell.size):
+    for f in range(game.n_fights):
         if game.fight_cell[f] == piece.cell:
             return True
     return False

@@ -24,7 +24,7 @@ from hexwar_sb3.engine.score import margin
 from hexwar_sb3.engine.state import State
 from hexwar_sb3.engine.world import World
 from hexwar_sb3.kernels import Row, Rows
-from hexwar_sb3.rules.enums import Action
+from hexwar_sb3.rules.enums import Action, Camp
 from hexwar_sb3.rules.indices import PieceIndex
 
 Line: TypeAlias = dict[str, Any]  # one line of a replay file
@@ -38,6 +38,9 @@ _HASHED = {
     "memory": "seen cell tick blood",
     "rounds": "status blood_at_launch hit cell impact fired_at land_at end_at judged",
 }
+
+_ROOM = {"point_owner": 8, "fight_cell": 16, "fight_next": 16}
+_ONE_NUMBER = 64  # pieces
 
 
 class Recorder:
@@ -158,7 +161,19 @@ def state_hash(state: State, b: int) -> str:
     for array, names in _HASHED.items():
         rows = getattr(state, array)[b]
         for name in names.split():
-            digest.update(np.ascontiguousarray(rows[name]).astype("<u8").tobytes())
+            digest.update(_hashed(rows[name], name, state, b).astype("<u8").tobytes())
     for piece, path in zip(state.pieces[b], state.paths[b], strict=True):
         digest.update(path[piece.path_pos : piece.path_len].astype("u1").tobytes())
     return digest.hexdigest()[:16]
+
+
+def _hashed(values: Any, name: str, state: State, b: int) -> Any:
+    """A field as the first replays had it, when a camp had 16 pieces at most, a map 8 points, and bits of pieces were one number."""
+    game, pieces = state.games[b], state.pieces[b]
+    if name in _ROOM:
+        return values[: max(_ROOM[name], int(game.n_points if name == "point_owner" else pieces.size))]
+    if name == "sees" and pieces.size <= _ONE_NUMBER:
+        return values << np.where(pieces.camp == Camp.RED, game.n_red, 0).astype(np.uint64)
+    if name == "judged" and pieces.size <= _ONE_NUMBER:
+        return values[..., Camp.RED] | values[..., Camp.BLUE] << np.uint64(game.n_red)
+    return np.ascontiguousarray(values)

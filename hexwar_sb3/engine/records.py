@@ -17,7 +17,7 @@ import numpy as np
 from hexwar_sb3.engine.codes import Code, Event
 from hexwar_sb3.engine.fields import ANY_I1, ANY_U8
 from hexwar_sb3.maps import cells
-from hexwar_sb3.records import I1, I2, I4, U4, U8, Table, Vector, dtype_of, within
+from hexwar_sb3.records import I1, I2, I4, U8, Table, Vector, dtype_of, within
 from hexwar_sb3.rules.enums import Action, Camp, PieceType, Weapon
 from hexwar_sb3.rules.indices import CampIndex, CellIndex, PieceIndex, PointIndex, SlotIndex
 
@@ -26,9 +26,9 @@ NEVER = 32767  # end tick of a timer that does not run
 NO_PIECE = PieceIndex(-1)
 NO_POINT = PointIndex(-1)
 
-MAX_PIECES = 32  # both camps together: `sees` is a 32-bit mask
-MAX_SIDE = 16
-MAX_POINTS = 8
+MAX_SIDE = 64  # pieces of a camp: `sees` has 64 bits
+MAX_PIECES = 2 * MAX_SIDE
+MAX_POINTS = 16
 PATH_CELLS = 100
 
 BOARD_NONE, BOARD_ON, BOARD_OFF = 0, 1, 2
@@ -45,15 +45,16 @@ class GameRecord:
     over: I1[int] = within(0, 1)
     net_score: I1[int] = within(0, 1)  # 1: own - enemy, 0: eq. (1) literally
     fog: I1[int] = within(0, 1)  # 0: lights on (debugging only)
-    n_red: I1[int] = within(0, "pieces")
-    n_pieces: I1[int] = within(0, "pieces")
+    n_red: I2[int] = within(0, "pieces")
+    n_pieces: I2[int] = within(0, "pieces")
     n_points: I1[int] = within(0, "points")
     early_end: I1[int] = within(0, 1)
     point_owner: Vector[PointIndex, I1[CampIndex]] = within(0, Camp.GREEN, (MAX_POINTS,))  # Camp
-    point_cell: Vector[PointIndex, I2[CellIndex]] = within(0, "last_cell", (MAX_POINTS,))
+    point_cell: Vector[PointIndex, I4[CellIndex]] = within(0, "last_cell", (MAX_POINTS,))
     point_value: Vector[PointIndex, I2[int]] = within(0, NEVER, (MAX_POINTS,))
+    n_fights: I1[int] = within(0, MAX_SIDE)  # rows of the next two that are in use, up to the last one
     # NO_CELL: free row
-    fight_cell: Vector[int, I2[CellIndex]] = within(0, "last_cell", (MAX_SIDE,), also=(NO_CELL,))
+    fight_cell: Vector[int, I4[CellIndex]] = within(0, "last_cell", (MAX_SIDE,), also=(NO_CELL,))
     # tick whose step makes the next exchange
     fight_next: Vector[int, I2[int]] = within("tick", ("tick", "fight_ticks"), (MAX_SIDE,), also=(NEVER,))
     # [camp] last tick with an own loss; -1 before
@@ -69,8 +70,8 @@ GAME = dtype_of(GameRecord)
 class PieceRecord:
     """One piece; `stop_ends` etc. are NEVER when idle. Path empty and all four transitions idle: settled."""
 
-    sees: U4[np.uint32] = within(0, "piece_bits")  # bit j: this piece itself sees piece j
-    cell: I2[CellIndex] = within(0, "last_cell")
+    sees: U8[np.uint64] = within(0, "slot_bits")  # bit s: this piece itself sees the enemy in slot s
+    cell: I4[CellIndex] = within(0, "last_cell")
     # end of the hop under way; NEVER: none
     arrives_at: I2[int] = within(("tick", 1), ("tick", "longest_hop"), also=(NEVER,))
     hop_need: I2[int] = within(0, "longest_hop")  # ticks of the hop under way
@@ -103,6 +104,9 @@ class PieceRecord:
     hit_now: I1[int] = within(0, 0)  # some result >= 0
     zero_now: I1[int] = within(0, 0)  # some result = 0
     spent_now: Vector[int, I1[int]] = within(0, 0, (4,))  # [pool] rounds fired in close combat
+    covered_now: I1[int] = within(0, 0)  # hidden or aboard when the step began
+    came_now: I1[int] = within(0, 0)  # it came into its cell
+    changed_now: I1[int] = within(0, 0)  # whom it sees, and who sees it, is to be renewed
 
 
 PIECE = dtype_of(PieceRecord)
@@ -111,11 +115,11 @@ PIECE = dtype_of(PieceRecord)
 class MemoryRecord:
     """What a camp knows of an enemy piece (u(sigma, t), III-A)."""
 
-    cell: I2[CellIndex] = within(NO_CELL, "last_cell")  # NO_CELL: never seen
+    cell: I4[CellIndex] = within(NO_CELL, "last_cell")  # NO_CELL: never seen
     tick: I2[int] = within(0, "tick")  # last tick at which it was seen (exact once `seen` is 0)
     still_since: I2[int] = within(0, "tick")  # tick since which it has been seen in this cell
     first_tick: I2[int] = within(0, "tick")  # tick of the last change from unseen to seen
-    next_cell: I2[CellIndex] = within(NO_CELL, "last_cell")  # where its hop under way leads; NO_CELL
+    next_cell: I4[CellIndex] = within(NO_CELL, "last_cell")  # where its hop under way leads; NO_CELL
     blood: I1[int] = within(0, "most_blood")
     hidden: I1[int] = within(0, 1)
     suppressed: I1[int] = within(0, 1)
@@ -135,13 +139,14 @@ class RoundRecord:
     status: I1[int] = within(ROUND_FREE, ROUND_BURSTING)  # ROUND_*
     blood_at_launch: I1[int] = within(0, "most_blood")
     hit: I1[int] = within(0, 1)  # 1 hit, 0 off target; valid while bursting
-    cell: I2[CellIndex] = within(0, "last_cell")  # aimed at
-    impact: I2[CellIndex] = within(NO_CELL, "last_cell")
+    cell: I4[CellIndex] = within(0, "last_cell")  # aimed at
+    impact: I4[CellIndex] = within(NO_CELL, "last_cell")
     launch_cells: I2[int] = within(0, "mortar_max_cells")
     fired_at: I2[int] = within(0, "tick")
     land_at: I2[int] = within(0, ("tick", "flight_ticks"))
     end_at: I2[int] = within(0, ("tick", "burst_ticks"))
-    judged: U4[np.uint32] = within(0, "piece_bits")  # bit i: piece i was judged in this burst
+    # [camp] bit s: its piece in slot s was judged in this burst
+    judged: Vector[CampIndex, U8[np.uint64]] = within(0, "slot_bits", (2,))
 
 
 ROUND = dtype_of(RoundRecord)
@@ -157,7 +162,7 @@ class OrderRecord:
     target: I1[PieceIndex] = within(NO_PIECE, "last_piece")
     partner: I1[PieceIndex] = within(NO_PIECE, "last_piece")  # guide-shoot: the chariot that launches
     path_len: I1[int] = within(0, PATH_CELLS)
-    cell: I2[CellIndex] = within(NO_CELL, "last_cell")  # indirect-shoot
+    cell: I4[CellIndex] = within(NO_CELL, "last_cell")  # indirect-shoot
     path: Vector[int, I1[int]] = within(0, 5, (PATH_CELLS,))  # directions 0..5
 
 
@@ -179,7 +184,7 @@ class LogRecord:
     mods: I1[int] = within(*ANY_I1)
     corr: I1[int] = within(*ANY_I1)
     result: I1[int] = within(*ANY_I1)
-    cell: I2[CellIndex] = within(NO_CELL, "last_cell")
+    cell: I4[CellIndex] = within(NO_CELL, "last_cell")
     cells_apart: I2[int] = within(0, NEVER)
     extra: I2[int] = within(-NEVER, NEVER)
 

@@ -107,5 +107,5 @@ class Roster:
             raise OrderError(str(error)) from None
 
     def cell_name(self, cell: int) -> str:
-        """Four digits, column then row."""
+        """Column then row, as a map names its cells."""
         return self.scenario.hexmap.cell_name(int(cell))

@@ -5,31 +5,37 @@ from __future__ import annotations
 import numpy as np
 
 from hexwar_sb3.engine.pieces import in_motion, next_cell_of, on_map
-from hexwar_sb3.engine.records import NO_CELL, GameRecord, Memory, MemoryRecord, Paths, PieceRecord, Pieces
+from hexwar_sb3.engine.records import (
+    NO_CELL,
+    NO_PIECE,
+    GameRecord,
+    Memory,
+    MemoryRecord,
+    Paths,
+    PieceRecord,
+    Pieces,
+)
 from hexwar_sb3.kernels import Rows, kernel
 from hexwar_sb3.maps.cells import Cells, Sightlines
 from hexwar_sb3.maps.geometry import cells_apart
+from hexwar_sb3.maps.sightlines import line_of_sight
 from hexwar_sb3.rules.compiled import RulesRecord
 from hexwar_sb3.rules.enums import PieceType
 from hexwar_sb3.rules.indices import CampIndex, CellIndex, PieceIndex, camp_range, piece_range
 
-_ONE = np.uint32(1)
+_ONE = np.uint64(1)
 
 
 @kernel
-def line_of_sight(los: Sightlines, airborne: int, a: CellIndex, b: CellIndex) -> bool:
-    """Bit of the matrix: airborne ends 0, 1 (then a is the airborne cell) or 2."""
-    return (los[airborne, a, b >> 3] >> (b & 7)) & 1 == 1
-
-
-@kernel
-def has_line(observer: PieceRecord, kind: int, cell: CellIndex, los: Sightlines) -> bool:
-    """Line of sight from a piece to a piece of some type in a cell."""
-    if observer.kind == PieceType.AEROCRAFT:
-        return line_of_sight(los, 2 if kind == PieceType.AEROCRAFT else 1, observer.cell, cell)
+def has_line(
+    kind: int, cell: CellIndex, target_kind: int, target_cell: CellIndex, cells: Cells, los: Sightlines
+) -> bool:
+    """Line of sight between two types of pieces in two cells: it depends on who is airborne."""
     if kind == PieceType.AEROCRAFT:
-        return line_of_sight(los, 1, cell, observer.cell)
-    return line_of_sight(los, 0, observer.cell, cell)
+        return line_of_sight(los, 2 if target_kind == PieceType.AEROCRAFT else 1, cell, target_cell, cells)
+    if target_kind == PieceType.AEROCRAFT:
+        return line_of_sight(los, 1, target_cell, cell, cells)
+    return line_of_sight(los, 0, cell, target_cell, cells)
 
 
 @kernel
@@ -55,7 +61,7 @@ def sees(
         return False
     if cells_apart(cells, observer.cell, target.cell) > sight_cells(observer, target, rules, cells):
         return False
-    return has_line(observer, target.kind, target.cell, los)
+    return has_line(observer.kind, observer.cell, target.kind, target.cell, cells, los)
 
 
 @kernel
@@ -63,7 +69,7 @@ def look(
     i: PieceIndex, j: PieceIndex, pieces: Pieces, rules: RulesRecord, cells: Cells, los: Sightlines
 ) -> None:
     """Renew the bit "i sees j"."""
-    bit = _ONE << np.uint32(j)
+    bit = _ONE << np.uint64(pieces[j].slot)
     if sees(pieces[i], pieces[j], rules, cells, los):
         pieces[i].sees |= bit
     else:
@@ -71,42 +77,56 @@ def look(
 
 
 @kernel
-def look_around(
-    changed: np.uint32, pieces: Pieces, rules: RulesRecord, cells: Cells, los: Sightlines
-) -> None:
-    """Renew row and column of every piece in the bit set `changed` (incremental visibility)."""
+def is_covered(piece: PieceRecord) -> bool:
+    """Hidden or aboard: what changes who sees it where it stands."""
+    return piece.hidden == 1 or piece.carrier != NO_PIECE
+
+
+@kernel
+def look_around(pieces: Pieces, rules: RulesRecord, cells: Cells, los: Sightlines) -> None:
+    """Renew what every changed piece sees and who sees it (incremental visibility)."""
     for i in piece_range(pieces.size):
-        if (changed >> np.uint32(i)) & _ONE == 0:
-            continue
-        for j in piece_range(pieces.size):
-            if pieces[j].camp != pieces[i].camp:
-                look(i, j, pieces, rules, cells, los)
-                look(j, i, pieces, rules, cells, los)
+        if pieces[i].changed_now or pieces[i].covered_now != is_covered(pieces[i]):
+            for j in piece_range(pieces.size):
+                if pieces[j].camp != pieces[i].camp:
+                    look(i, j, pieces, rules, cells, los)
+                    look(j, i, pieces, rules, cells, los)
+    for i in piece_range(pieces.size):
+        pieces[i].covered_now = 0
+        pieces[i].changed_now = 0
 
 
 @kernel
 def look_all(pieces: Pieces, rules: RulesRecord, cells: Cells, los: Sightlines) -> None:
     """Renew every pair: the oracle of the incremental form, and the first look of a game."""
     for i in piece_range(pieces.size):
-        pieces[i].sees = np.uint32(0)
+        pieces[i].sees = np.uint64(0)
+        pieces[i].covered_now = 0
+        pieces[i].changed_now = 0
         for j in piece_range(pieces.size):
             if pieces[j].camp != pieces[i].camp:
                 look(i, j, pieces, rules, cells, los)
 
 
 @kernel
+def sees_itself(piece: PieceRecord, enemy: PieceRecord) -> bool:
+    """The piece itself sees an enemy now."""
+    return (piece.sees >> np.uint64(enemy.slot)) & _ONE == _ONE
+
+
+@kernel
 def remember(game: GameRecord, pieces: Pieces, memory: Memory, paths: Paths, cells: Cells) -> None:
     """Bring both camps' memories up to the state of game.tick."""
     for camp in camp_range(2):
-        union = np.uint32(0)
+        union = np.uint64(0)
         for i in piece_range(pieces.size):
             if pieces[i].camp == camp:
-                union |= np.uint32(pieces[i].sees)
+                union |= pieces[i].sees
         for j in piece_range(pieces.size):
             if pieces[j].camp == camp:
                 continue
             lit = game.fog == 0 and on_map(pieces[j])
-            if lit or (union >> np.uint32(j)) & _ONE == 1:
+            if lit or (union >> np.uint64(pieces[j].slot)) & _ONE == _ONE:
                 _keep_seen(game, camp, pieces[j], memory[camp, j], paths[j], cells)
             elif memory[camp, j].seen:
                 _lose_sight(game, pieces[j], memory[camp, j])

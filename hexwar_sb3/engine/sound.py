@@ -117,7 +117,7 @@ def bounds_of(world: World, state: State) -> Bounds:
         "end_tick": world.scenario.game_ticks,
         "pieces": world.n_pieces,
         "last_piece": world.n_pieces - 1,
-        "piece_bits": (1 << world.n_pieces) - 1,
+        "slot_bits": (1 << max(len(world.piece_names(camp)) for camp in (Camp.RED, Camp.BLUE))) - 1,
         "points": len(world.scenario.points),
         "last_point": max(0, len(world.scenario.points) - 1),
         "last_cell": world.cells.size - 1,
@@ -319,13 +319,17 @@ def _check_rounds(world: World, state: State) -> None:
     check_all("rounds.cell", free | (playable[rounds.cell] == 1), rounds.cell, "a playable cell")
     hit = (rounds.impact != NO_CELL) & (playable[rounds.impact] == 1)
     check_all("rounds.impact", ~bursts | hit, rounds.impact, "a playable cell")
-    check_all("rounds.judged", ~flying | (rounds.judged == 0), rounds.judged, "0 before it lands")
+    check_all(
+        "rounds.judged", ~flying | (rounds.judged == 0).all(axis=-1), rounds.judged, "0 before it lands"
+    )
 
 
 def _check_fights(state: State) -> None:
     """Each close combat has a cell of its own, with both camps in it, and a next exchange."""
     games, pieces = state.games, state.pieces
     fights = games.fight_cell != NO_CELL
+    last = np.where(fights, np.arange(1, fights.shape[1] + 1), 0).max(axis=1)
+    check_all("games.n_fights", games.n_fights == last, games.n_fights, "the last row with a fight")
     check_all(
         "games.fight_next", fights == (games.fight_next != NEVER), games.fight_next, "a tick for each fight"
     )

@@ -129,6 +129,7 @@ def _set_up_game(game: Row, world: World) -> None:
         game.point_owner[k] = Camp.GREEN
         game.point_cell[k] = point.cell
         game.point_value[k] = point.value
+    game.n_fights = 0
     game.fight_cell[:] = NO_CELL
     game.fight_next[:] = NEVER
     game.loss_tick[:] = -1

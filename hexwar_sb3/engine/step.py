@@ -24,7 +24,6 @@ from hexwar_sb3.engine.movement import arrive, start_hops
 from hexwar_sb3.engine.records import (
     NEVER,
     NO_CELL,
-    NO_PIECE,
     ROUND_BURSTING,
     ROUND_FLYING,
     GameRecord,
@@ -35,15 +34,13 @@ from hexwar_sb3.engine.records import (
     Pieces,
     Rounds,
 )
-from hexwar_sb3.engine.sight import look_around, remember
+from hexwar_sb3.engine.sight import is_covered, look_around, remember
 from hexwar_sb3.engine.timers import end_timers
 from hexwar_sb3.kernels import kernel
 from hexwar_sb3.maps.cells import Cells, Sightlines
 from hexwar_sb3.rules.compiled import RulesRecord
 from hexwar_sb3.rules.enums import Action
 from hexwar_sb3.rules.indices import piece_range
-
-_ONE = np.uint32(1)
 
 
 @kernel
@@ -52,7 +49,7 @@ def process(
     cells: Cells, los: Sightlines,
 ) -> None:  # fmt: skip
     """Make the step of game.tick; orders are read, answered with a code, and cleared."""
-    hidden_before = hidden_bits(pieces)
+    note_cover(pieces)
     ordered = has_orders(orders)
     fighting = has_fights(game)
     if ordered:
@@ -67,26 +64,22 @@ def process(
         start_orders(game, pieces, paths, rounds, orders, log, rules, cells)
     if fighting:
         spend_close_rounds(pieces)
-    changed = apply_results(game, pieces, log, rules)
+    apply_results(game, pieces, log, rules)
     if ordered:
         occupy(game, pieces, orders, log, cells)
     start_hops(game.tick, game, pieces, paths, log, rules, cells)
-    entered = arrive(game, pieces, paths, log, rules, cells)
-    changed |= entered
-    if entered != 0:
-        judge_entering(entered, game, pieces, rounds, log, rules, cells)
-        changed |= apply_results(game, pieces, log, rules)
-        changed |= open_fights(game, pieces, log)
-    stepped_off = end_timers(game, pieces, rounds, log, rules)
-    if stepped_off != 0:
-        judge_entering(stepped_off, game, pieces, rounds, log, rules, cells)
-        changed |= stepped_off | apply_results(game, pieces, log, rules)
+    if arrive(game, pieces, paths, log, rules, cells):
+        judge_entering(game, pieces, rounds, log, rules, cells)
+        apply_results(game, pieces, log, rules)
+        open_fights(game, pieces, log)
+    if end_timers(game, pieces, rounds, log, rules):
+        judge_entering(game, pieces, rounds, log, rules, cells)
+        apply_results(game, pieces, log, rules)
     if has_fights(game):
         close_fights(game, pieces)
     start_hops(game.tick + 1, game, pieces, paths, log, rules, cells)
     set_tick(game, game.tick + 1, pieces)
-    changed |= hidden_before ^ hidden_bits(pieces)
-    look_around(changed, pieces, rules, cells, los)
+    look_around(pieces, rules, cells, los)
     remember(game, pieces, memory, paths, cells)
 
 
@@ -102,20 +95,14 @@ def has_orders(orders: Orders) -> bool:
 @kernel
 def has_fights(game: GameRecord) -> bool:
     """Is there a close combat anywhere?"""
-    for f in range(game.fight_cell.size):
-        if game.fight_cell[f] != NO_CELL:
-            return True
-    return False
+    return game.n_fights > 0
 
 
 @kernel
-def hidden_bits(pieces: Pieces) -> np.uint32:
-    """Bits of the pieces that are hidden or aboard: what changes their visibility in place."""
-    bits = np.uint32(0)
+def note_cover(pieces: Pieces) -> None:
+    """Mark who is hidden or aboard as the step begins."""
     for i in piece_range(pieces.size):
-        if pieces[i].hidden or pieces[i].carrier != NO_PIECE:
-            bits |= _ONE << np.uint32(i)
-    return bits
+        pieces[i].covered_now = 1 if is_covered(pieces[i]) else 0
 
 
 @kernel
@@ -155,7 +142,7 @@ def next_due(game: GameRecord, pieces: Pieces, rounds: Rounds) -> int:
         elif rounds[r].status == ROUND_BURSTING:
             end = min(end, int(rounds[r].end_at))
     due = NEVER if end == NEVER else end - 1
-    for f in range(game.fight_cell.size):
+    for f in range(game.n_fights):
         if game.fight_cell[f] != NO_CELL:
             due = min(due, int(game.fight_next[f]))
     return max(due, int(game.tick))

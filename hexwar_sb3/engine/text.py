@@ -38,7 +38,7 @@ from hexwar_sb3.rules import default_rules
 from hexwar_sb3.rules.enums import Camp, PieceType
 
 BOARD_GRADE_M = 10
-_MAP_NAME = re.compile(r"plain-([0-9]{1,2})x([0-9]{1,2})")
+_MAP_NAME = re.compile(r"plain-([0-9]{1,3})x([0-9]{1,3})")
 _KINDS = {kind.name.lower(): kind for kind in PieceType}
 
 
@@ -123,7 +123,11 @@ def plain_map(width: int, height: int) -> HexMap:
 
 
 def _cell_line(board: Board, words: list[str]) -> None:
-    cells = [board.map.parse_cell(word) for word in words if word.isdecimal() and len(word) == 4]
+    cells = [
+        board.map.parse_cell(word)
+        for word in words
+        if word.isdecimal() and len(word) == board.map.name_length
+    ]
     layers = {layer: getattr(board.map, layer).copy() for layer in LAYERS}
     elev_m = board.map.elev_m.copy()
     marks = iter(words[len(cells) :])

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from hexwar_sb3.engine.codes import Event
 from hexwar_sb3.engine.events import note
 from hexwar_sb3.engine.pieces import cancel_boarding, count_in
@@ -25,14 +23,12 @@ from hexwar_sb3.rules.compiled import RulesRecord
 from hexwar_sb3.rules.enums import PieceType
 from hexwar_sb3.rules.indices import PieceIndex, piece_range
 
-_ONE = np.uint32(1)
-
 
 @kernel
-def end_timers(game: GameRecord, pieces: Pieces, rounds: Rounds, log: Log, rules: RulesRecord) -> np.uint32:
-    """Timers that end with this step take effect; bits of the soldiers that got off."""
+def end_timers(game: GameRecord, pieces: Pieces, rounds: Rounds, log: Log, rules: RulesRecord) -> bool:
+    """Timers that end with this step take effect; True if a soldier got off."""
     now = game.tick + 1
-    got_off = np.uint32(0)
+    got_off = False
     for i in piece_range(pieces.size):
         piece = pieces[i]
         if piece.cool_ends <= now:
@@ -79,7 +75,7 @@ def end_get_on(i: PieceIndex, game: GameRecord, pieces: Pieces, log: Log) -> Non
 
 
 @kernel
-def end_get_off(i: PieceIndex, game: GameRecord, pieces: Pieces, log: Log, rules: RulesRecord) -> np.uint32:
+def end_get_off(i: PieceIndex, game: GameRecord, pieces: Pieces, log: Log, rules: RulesRecord) -> bool:
     """The soldier stands in the cell, or waits aboard where the cell filled up meanwhile."""
     partner = PieceIndex(pieces[i].board_partner)
     soldier, chariot = (i, partner) if pieces[i].carrier != NO_PIECE else (partner, i)
@@ -87,10 +83,12 @@ def end_get_off(i: PieceIndex, game: GameRecord, pieces: Pieces, log: Log, rules
     cell = pieces[chariot].cell
     if count_in(pieces, pieces[chariot].camp, cell) >= rules.stack_limit:
         note(game, log, Event.GETOFF_BLOCKED, soldier, chariot, cell, 0)
-        return np.uint32(0)
+        return False
     pieces[soldier].carrier = NO_PIECE
     pieces[soldier].cell = cell
     pieces[soldier].arrived_at = game.tick + 1
     pieces[chariot].passenger = NO_PIECE
     note(game, log, Event.OFF, soldier, chariot, cell, 0)
-    return _ONE << np.uint32(soldier)
+    pieces[soldier].came_now = 1
+    pieces[soldier].changed_now = 1
+    return True

@@ -318,7 +318,7 @@ class _Viewer:
             decompress_left=self._left(piece.decompress_ends),
             aboard=self._name(piece.carrier),
             passenger=self._name(piece.passenger),
-            sees=tuple(self.roster.names[j] for j in self.enemies if piece.sees >> j & 1),
+            sees=tuple(self.roster.names[j] for j in self.enemies if piece.sees >> self.pieces[j].slot & 1),
         )
 
     def _seen(self, i: int) -> SeenEnemy:

@@ -2,17 +2,23 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
-from typing import Any
+from typing import Any, Generic, TypeVar
+from weakref import finalize
 
 from hexwar_sb3.kernels import Rows
+from hexwar_sb3.maps.cells import TravelTimes
 from hexwar_sb3.maps.files import load_scenario
 from hexwar_sb3.maps.scenario import Scenario, ScenarioLike
 from hexwar_sb3.maps.terrain import Terrain
+from hexwar_sb3.maps.travel import no_times
 from hexwar_sb3.rules import RuleSet, default_rules
 from hexwar_sb3.rules.enums import Camp
+
+T = TypeVar("T")
 
 
 @dataclass(frozen=True, eq=False)
@@ -22,6 +28,8 @@ class World:
     scenario: Scenario
     ruleset: RuleSet
     terrain: Terrain
+    _here: threading.local = field(default_factory=threading.local, init=False, repr=False)
+    _spare: list[TravelTimes] = field(default_factory=list, init=False, repr=False)  # of threads that ended
 
     def __reduce__(self) -> tuple[Callable[..., World], tuple[Scenario, RuleSet]]:
         return load_world, (self.scenario, self.ruleset)  # tables are shared, and read-only, where it arrives
@@ -47,10 +55,13 @@ class World:
         """Line-of-sight bits [airborne ends, a, b // 8]."""
         return self.terrain.los
 
-    @cached_property
-    def eta(self) -> Any:
-        """Travel times in base hops [hop class, target, cell]."""
-        return self.terrain.eta
+    @property
+    def eta(self) -> TravelTimes:
+        """Travel times of this thread; kernels fill them as they ask."""
+        lent: Lent[TravelTimes] | None = getattr(self._here, "eta", None)
+        if lent is None:
+            lent = self._here.eta = Lent(self._spare, lambda: no_times(self.cells.size))
+        return lent.one
 
     @cached_property
     def tables(self) -> tuple[Any, ...]:
@@ -75,6 +86,17 @@ class World:
         """What the pieces of a camp are worth at the start, points."""
         rows = (self.ruleset.pieces[piece.kind] for piece in self.scenario.pieces[self.side(camp)])
         return sum(row.value * row.blood for row in rows)
+
+
+class Lent(Generic[T]):
+    """One of a heap of things, or a new one; back on the heap when nobody holds this any more."""
+
+    def __init__(self, heap: list[T], new: Callable[[], T]) -> None:
+        try:
+            self.one = heap.pop()
+        except IndexError:
+            self.one = new()
+        finalize(self, heap.append, self.one)
 
 
 def load_world(scenario: ScenarioLike, ruleset: RuleSet | None = None) -> World:

@@ -284,7 +284,7 @@ class RouteGames:
 
     def _asks(self, which: Games) -> NDArray[np.bool_]:
         """The focal piece waits for an answer [n]."""
-        return (self.arena.drives.waiting[which] >> self.focus.piece[which].astype(np.uint32)) & 1 == 1
+        return np.asarray(self.arena.drives.waiting[which, self.focus.piece[which]] == 1)
 
     def _starts(self, which: Games) -> NDArray[np.bool_]:
         """The focal piece asks for its way, and has one to go: the route begins, and its task is noted [n].
@@ -314,7 +314,7 @@ class RouteGames:
     def _let_go(self, which: Games) -> None:
         """Nobody outside answers for pieces of these games any more."""
         self.focus.piece[which] = NO_FOCUS
-        self.arena.lead_outside(which, np.zeros(len(which), np.uint32))
+        self._lead_focal(which)
 
     def _take_turns(self, which: Games) -> None:
         """Make the next piece that has somewhere to go the focal one, where the focal one has not."""
@@ -328,7 +328,7 @@ class RouteGames:
             self.focus.piece,
             self.focus.turn,
         )
-        self.arena.lead_outside(which, _bits(self.focus.piece[which]))
+        self._lead_focal(which)
 
     def _new_hop(self) -> Hop:
         n = self.n_games
@@ -360,8 +360,9 @@ class RouteGames:
         self.tasks.restore(self._of_tasks(snapshot), self._waiting(snapshot))
         for name, value in vars(self.focus).items():
             value[...] = snapshot[f"focus_{name}"]
-        self.arena.lead_outside(self.all, _bits(self.focus.piece))
-        self.arena.drives.waiting = self._waiting(snapshot)
+        self._lead_focal(self.all)
+        waiting = self._waiting(snapshot)
+        self.arena.drives.waiting[:, : waiting.shape[1]] = waiting
         self.rng.bit_generator.state = rng_state(snapshot["rng"], "rng")
 
     def check(self, snapshot: Snapshot) -> None:
@@ -408,14 +409,17 @@ class RouteGames:
         """The part that the task games took."""
         return {name: array for name, array in snapshot.items() if name not in (*self._focus_names(), "rng")}
 
-    def _waiting(self, snapshot: Snapshot) -> NDArray[np.uint32]:
-        """Bit of the focal piece of each game: it waits [n]."""
-        return _bits(snapshot["focus_piece"])
+    def _waiting(self, snapshot: Snapshot) -> NDArray[np.bool_]:
+        """The focal piece of each game: it waits [n, P]."""
+        return self._only(snapshot["focus_piece"])
 
+    def _lead_focal(self, which: Games) -> None:
+        """The focal pieces, and no others, are answered for outside."""
+        self.arena.lead_outside(which, self._only(self.focus.piece[which]))
 
-def _bits(focal: NDArray[np.int64]) -> NDArray[np.uint32]:
-    """Bit i for focal piece i; none for NO_FOCUS [n]."""
-    return np.where(focal == NO_FOCUS, 0, 1 << np.maximum(focal, 0)).astype(np.uint32)
+    def _only(self, focal: NDArray[np.int64]) -> NDArray[np.bool_]:
+        """One piece of each game; nobody where it is NO_FOCUS [n, P]."""
+        return np.asarray(np.arange(self.arena.world.n_pieces) == focal[:, None])
 
 
 def check_leader(lower: Lower) -> Lower:

@@ -264,7 +264,7 @@ class TaskGames:
         others = {**self.encounters.snapshot(), **self.demonstrations.snapshot()}
         return {**self.arena.snapshot(), **slots, **others, "counters": counters, "origin": self.origin}
 
-    def restore(self, snapshot: Snapshot, waiting: NDArray[np.uint32] | None = None) -> Obs:
+    def restore(self, snapshot: Snapshot, waiting: NDArray[np.bool_] | None = None) -> Obs:
         """Go on where `snapshot` was taken, in an env of the same settings; the observation there.
 
         Args:
@@ -290,17 +290,15 @@ class TaskGames:
             self._lead(int(b))
         self.arena.restore(snapshot)
         # As the lower levels here have it.
-        self.arena.lead_outside(self.all, np.zeros(len(self.all), np.uint32))
+        self.arena.lead_outside(self.all, np.zeros((len(self.all), self.arena.world.n_pieces), np.bool_))
         return self.look(self.all)
 
-    def check(
-        self, snapshot: Snapshot, waiting: NDArray[np.uint32] | None = None
-    ) -> tuple[State, Rows, Rows]:
+    def check(self, snapshot: Snapshot, waiting: NDArray[np.bool_] | None = None) -> tuple[State, Rows, Rows]:
         """Check a snapshot, whatever wrote it, before anything is changed.
 
         Args:
             snapshot: to check.
-            waiting: bits of the pieces that wait for an answer from outside, in each game; None: of none [n].
+            waiting: pieces that wait for an answer from outside, in each game; None: nobody [n, P].
 
         Returns:
             Copies of its state, missions and drives.
@@ -312,9 +310,10 @@ class TaskGames:
         parts = [*self.encounters.snapshot(), *self.demonstrations.snapshot()]
         state, missions, drives = check_games(snapshot, self.arena, self._slots(), parts)
         self.demonstrations.check(snapshot)
-        check_all(
-            "drives.waiting", drives.waiting == (0 if waiting is None else waiting), drives.waiting, "none"
-        )
+        expected = np.zeros_like(drives.waiting)
+        if waiting is not None:
+            expected[:, : waiting.shape[1]] = waiting
+        check_all("drives.waiting", drives.waiting == expected, drives.waiting, "none")
         self._check_slots(snapshot, state, drives)
         self.encounters.check(snapshot)
         return state, missions, drives

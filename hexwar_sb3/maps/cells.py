@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TypeAlias
 
-from hexwar_sb3.records import F4, I2, U1, Block, Table, Vector, dtype_of, of_shape
+from hexwar_sb3.records import F4, I2, I4, U1, Block, Table, Vector, dtype_of, of_shape
 from hexwar_sb3.rules.indices import CellIndex
 
 NO_HOP = 0  # hop_ticks: no way there
@@ -14,9 +14,9 @@ NO_CELL = CellIndex(-1)  # off the map or void
 class CellRecord:
     """What kernels read of a cell."""
 
-    neighbour: Vector[int, I2[CellIndex]] = of_shape(6)  # W SW SE E NE NW; NO_CELL (-1): off the map or void
+    neighbour: Vector[int, I4[CellIndex]] = of_shape(6)  # W SW SE E NE NW; NO_CELL (-1): off the map or void
     hop_ticks: Table[int, int, I2[int]] = of_shape(2, 6)  # [HopClass, direction]; NO_HOP: none
-    mirror: I2[CellIndex]  # the mirror map of section 1
+    mirror: I4[CellIndex]  # the mirror map of section 1
     x: I2[int]
     y: I2[int]
     q: I2[int]  # cube coordinates
@@ -34,5 +34,8 @@ class CellRecord:
 
 CELL = dtype_of(CellRecord)
 Cells: TypeAlias = Vector[CellIndex, CellRecord]
-Sightlines: TypeAlias = Block[int]  # [airborne ends, a, b // 8] bits
-TravelTimes: TypeAlias = Block[int]  # [hop class, target, cell] base hops
+Sightlines: TypeAlias = Block[
+    int
+]  # [airborne ends * NC + cell, row of its window, column // 8] bits (sightlines.py)
+
+TravelTimes: TypeAlias = Table[int, int, int]  # rows of base hops, and which there are (travel.py)

@@ -2,7 +2,8 @@
 
 A cell is the index y * width + x. Odd rows are one cell shorter: their last column is void, so
 that the mirror map, x -> width - 1 - x (even y) or width - 2 - x (odd y), is a symmetry of the
-lattice. Users see a cell as four digits, column then row, counted from 1: "0912" is x = 8, y = 11.
+lattice. Users see a cell as four digits, column then row, counted from 1: "0912" is x = 8, y = 11; on a map with a side
+of 100 cells or more as six, "009012".
 """
 
 from __future__ import annotations
@@ -26,28 +27,36 @@ W, SW, SE, E, NE, NW = range(6)
 DIRECTION_NAMES = ("W", "SW", "SE", "E", "NE", "NW")
 MIRROR_DIRECTION = (E, SE, SW, W, NW, NE)
 NO_DIRECTION = -1
-MAX_SIDE_CELLS = 99  # a name has two digits for each of column and row
+MAX_SIDE_CELLS = 250
 MIN_SIDE_CELLS = 3
 
 _STEP_Q = np.array([-1, -1, 0, 1, 1, 0])  # cube coordinates of the six neighbours
 _STEP_R = np.array([0, 1, 1, 0, -1, -1])
 
 
-def cell_name(cell: int, width: int) -> str:
-    """Four digits, column then row, counted from 1."""
+def name_digits(width: int, height: int) -> int:
+    """Digits of the column, and of the row, in the names of a map's cells."""
+    return 2 if max(width, height) < 100 else 3
+
+
+def cell_name(cell: int, width: int, height: int) -> str:
+    """Column then row, counted from 1, with two digits each, or three on a large map."""
     y, x = divmod(cell, width)
-    return f"{x + 1:02d}{y + 1:02d}"
+    digits = name_digits(width, height)
+    return f"{x + 1:0{digits}d}{y + 1:0{digits}d}"
 
 
 def parse_cell(name: str, width: int, height: int) -> CellIndex:
     """The cell that `cell_name` printed.
 
     Raises:
-        ConfigError: not four digits, or no playable cell of this map.
+        ConfigError: not as many digits, or no playable cell of this map.
     """
-    if not re.fullmatch(r"[0-9]{4}", name):
-        raise ConfigError(f'cell {name!r}: expected four digits, column then row, as in "0912"')
-    x, y = int(name[:2]) - 1, int(name[2:]) - 1
+    digits = name_digits(width, height)
+    if not re.fullmatch(f"[0-9]{{{2 * digits}}}", name):
+        count, example = ("four", "0912") if digits == 2 else ("six", "009012")
+        raise ConfigError(f'cell {name!r}: expected {count} digits, column then row, as in "{example}"')
+    x, y = int(name[:digits]) - 1, int(name[digits:]) - 1
     if not (0 <= y < height and 0 <= x < row_cells(y, width)):
         raise ConfigError(f"cell {name!r} is off the map: {_extent(width, height)}")
     return CellIndex(y * width + x)
@@ -123,4 +132,6 @@ def frame_direction(direction: int, camp: CampIndex) -> int:
 
 
 def _extent(width: int, height: int) -> str:
-    return f"columns 01-{width:02d} (01-{width - 1:02d} in even rows), rows 01-{height:02d}"
+    digits = name_digits(width, height)
+    one, columns, fewer, rows = (f"{number:0{digits}d}" for number in (1, width, width - 1, height))
+    return f"columns {one}-{columns} ({one}-{fewer} in even rows), rows {one}-{rows}"

@@ -16,6 +16,7 @@ from hexwar_sb3.maps.geometry import (
     Bools,
     cell_name,
     mirror_cells,
+    name_digits,
     parse_cell,
     playable_mask,
 )
@@ -46,7 +47,9 @@ class HexMap:
         """
         sides = range(MIN_SIDE_CELLS, MAX_SIDE_CELLS + 1)
         if self.elev_m.ndim != 2 or self.width not in sides or self.height not in sides:
-            raise ConfigError(f"map of shape {self.elev_m.shape}; expected two sides of 3 to 99 cells")
+            raise ConfigError(
+                f"map of shape {self.elev_m.shape}; expected two sides of 3 to {MAX_SIDE_CELLS} cells"
+            )
         if self.grade_m < 1 or (self.elev_m % self.grade_m).any():
             raise ConfigError(f"an altitude is no multiple of grade_m = {self.grade_m}")
         for layer in LAYERS:
@@ -92,9 +95,14 @@ class HexMap:
             digest.update(getattr(self, layer).tobytes())
         return digest.hexdigest()[:16]
 
+    @property
+    def name_length(self) -> int:
+        """Digits of a cell's name."""
+        return 2 * name_digits(self.width, self.height)
+
     def cell_name(self, cell: int) -> str:
-        """Four digits, column then row, counted from 1."""
-        return cell_name(cell, self.width)
+        """Column then row, counted from 1, in four digits, or six on a large map."""
+        return cell_name(cell, self.width, self.height)
 
     def parse_cell(self, name: str) -> CellIndex:
         """The cell of that name; ConfigError if this map has none."""

@@ -15,8 +15,8 @@ from hexwar_sb3.maps.hexmap import HexMap
 from hexwar_sb3.rules.enums import Camp, PieceType
 from hexwar_sb3.rules.ruleset import default_rules
 
-MAX_SIDE_PIECES = 16
-MAX_CONTROL_POINTS = 8
+MAX_SIDE_PIECES = 64
+MAX_CONTROL_POINTS = 16
 MAX_GAME_TICKS = 30000
 MAX_POINT_VALUE = 1000
 

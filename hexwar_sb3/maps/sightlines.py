@@ -8,22 +8,36 @@ only if both sides are. Void blocks.
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import numpy.typing as npt
 
-from hexwar_sb3.kernels import kernel
-from hexwar_sb3.maps.cells import NO_CELL, Cells
-from hexwar_sb3.maps.geometry import cells_apart
-from hexwar_sb3.rules.indices import camp_range, cell_range
+from hexwar_sb3.kernels import Rows, kernel
+from hexwar_sb3.maps.cells import NO_CELL, Cells, Sightlines
+from hexwar_sb3.rules.indices import CellIndex, camp_range, cell_range
 
 VOID_TOP_M = 1_000_000  # higher than any line of sight
 GROUND_GROUND, AIR_GROUND, AIR_AIR = 0, 1, 2  # first axis of `los`: number of airborne ends
 
 
 @kernel
-def see(los: npt.NDArray[np.uint8], airborne: int, a: int, b: int) -> bool:
-    """Whether b is in line of sight of a; with one airborne end, a is that end."""
-    return bool(los[airborne, a, b >> 3] >> (b & 7) & 1)
+def line_of_sight(los: Sightlines, airborne: int, a: CellIndex, b: CellIndex, cells: Cells) -> bool:
+    """Whether b is in line of sight of a, and within the longest range; with one airborne end, a is that end."""
+    reach = los.shape[1] >> 1
+    down, right = cells[b].r - cells[a].r + reach, cells[b].q - cells[a].q + reach
+    if down < 0 or down > 2 * reach or right < 0 or right > 2 * reach:
+        return False
+    return (los[airborne * cells.size + a, down, right >> 3] >> (right & 7)) & 1 == 1
+
+
+def in_sight(los: Any, airborne: int, a: int, cells: Rows) -> npt.NDArray[np.bool_]:
+    """All cells b that are in line of sight of a [NC]."""
+    reach = los.shape[1] // 2
+    down, right = (cells[axis].astype(np.int64) - int(cells[axis][a]) + reach for axis in ("r", "q"))
+    near = (down >= 0) & (down <= 2 * reach) & (right >= 0) & (right <= 2 * reach)
+    bits = np.unpackbits(los[airborne * cells.size + a], axis=1, bitorder="little")
+    return near & (bits[np.where(near, down, 0), np.where(near, right, 0)] == 1)
 
 
 @kernel
@@ -55,11 +69,13 @@ def nearest(a: int, n: int, up: int) -> int:
 def build_los(
     cells: Cells, width: int, height: int, range_cells: int, grade_m: int, air_height_m: int
 ) -> npt.NDArray[np.uint8]:
-    """Bit matrices of all lines of sight up to `range_cells` [airborne ends, a, b // 8].
+    """All lines of sight up to `range_cells`, as bits: for every cell a window of those around it.
 
-    Symmetric for equal ends; with one airborne end, a is that end.
+    The bit of cells a and b lies where b is as seen from a, in cube coordinates [airborne ends * NC + a, b.r - a.r +
+    range_cells, (b.q - a.q + range_cells) // 8]. Symmetric for equal ends; with one airborne end, a is that end.
     """
-    los = np.zeros((3, cells.size, (cells.size + 7) // 8), np.uint8)
+    side = 2 * range_cells + 1
+    los = np.zeros((3 * cells.size, side, (side + 7) // 8), np.uint8)
     grid, top_m = axial_grids(cells, width, height, grade_m)
     eye_m = np.array([0, air_height_m])
     for dr in range(range_cells + 1):
@@ -72,10 +88,10 @@ def build_los(
 @kernel
 def axial_grids(
     cells: Cells, width: int, height: int, grade_m: int
-) -> tuple[npt.NDArray[np.int16], npt.NDArray[np.int32]]:
+) -> tuple[npt.NDArray[np.int32], npt.NDArray[np.int32]]:
     """Cell index and height of its top in metres at [r, q + height // 2]; NO_CELL: void."""
     shape = (height, width + height // 2)
-    grid = np.full(shape, NO_CELL, np.int16)
+    grid = np.full(shape, NO_CELL, np.int32)
     top_m = np.full(shape, VOID_TOP_M, np.int32)
     for c in cell_range(cells.size):
         if cells[c].playable:
@@ -87,7 +103,7 @@ def axial_grids(
 
 @kernel
 def look_along(
-    los: npt.NDArray[np.uint8], cells: Cells, grid: npt.NDArray[np.int16], top_m: npt.NDArray[np.int32],
+    los: npt.NDArray[np.uint8], cells: Cells, grid: npt.NDArray[np.int32], top_m: npt.NDArray[np.int32],
     dq: int, dr: int, grade_m: int, eye_m: npt.NDArray[np.int64],
 ) -> None:  # fmt: skip
     """Set the bits of every pair of cells that lie (dq, dr) apart; eye_m [airborne]."""
@@ -104,9 +120,9 @@ def look_along(
                     if not sees_along(top_m, r, q, lines, a_m, b_m, grade_m):
                         continue
                     if a_flies >= b_flies:
-                        set_bit(los[a_flies + b_flies], a, b)
+                        set_bit(los, (a_flies + b_flies) * cells.size + a, dq, dr)
                     if b_flies >= a_flies:
-                        set_bit(los[a_flies + b_flies], b, a)
+                        set_bit(los, (a_flies + b_flies) * cells.size + b, -dq, -dr)
 
 
 @kernel
@@ -152,21 +168,29 @@ def sees_along(
 
 
 @kernel
-def set_bit(row_bits: npt.NDArray[np.uint8], a: int, b: int) -> None:
-    """Mark that a sees b."""
-    row_bits[a, b >> 3] |= 1 << (b & 7)
+def set_bit(los: npt.NDArray[np.uint8], window: int, dq: int, dr: int) -> None:
+    """Mark that the cell of a window sees the cell at an offset."""
+    reach = los.shape[1] >> 1
+    right = dq + reach
+    los[window, dr + reach, right >> 3] |= 1 << (right & 7)
 
 
 @kernel
-def exposures(cells: Cells, los: npt.NDArray[np.uint8], range_cells: int) -> npt.NDArray[np.float32]:
+def exposures(
+    cells: Cells, width: int, height: int, los: Sightlines, range_cells: int
+) -> npt.NDArray[np.float32]:
     """Share of the playable cells within `range_cells` that see each cell [NC], 0..1."""
     shares = np.zeros(cells.size, np.float32)
+    grid, _ = axial_grids(cells, width, height, 0)
+    rows, columns = grid.shape
     for a in cell_range(cells.size):
         near = seen = 0
-        for b in cell_range(cells.size):
-            if a != b and cells[a].playable and cells[b].playable:
-                if cells_apart(cells, a, b) <= range_cells:
-                    near += 1
-                    seen += see(los, GROUND_GROUND, a, b)
+        if cells[a].playable:
+            r, q = cells[a].r, cells[a].q + height // 2
+            for dr in range(max(-range_cells, -r), min(range_cells, rows - 1 - r) + 1):
+                for dq in range(max(-range_cells, -range_cells - dr), min(range_cells, range_cells - dr) + 1):
+                    if 0 <= q + dq < columns and grid[r + dr, q + dq] != NO_CELL and (dq != 0 or dr != 0):
+                        near += 1
+                        seen += line_of_sight(los, GROUND_GROUND, a, grid[r + dr, q + dq], cells)
         shares[a] = seen / max(near, 1)
     return shares

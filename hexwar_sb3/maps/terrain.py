@@ -1,8 +1,7 @@
-"""What kernels read of a map: cells, lines of sight, travel times.
+"""What kernels read of a map: cells and lines of sight.
 
-The two big tables take seconds to build and tens of megabytes to hold, so they are kept as
-files in the cache folder, mapped into memory and shared by all processes. A file's name is the
-hash of everything it depends on; one of another shape, type or content is made anew.
+The tables take a second to build, so they are kept as files in the cache folder, mapped into memory and shared by all
+processes. A file's name is the hash of everything it depends on; one of another shape, type or content is made anew.
 """
 
 from __future__ import annotations
@@ -21,7 +20,7 @@ from hexwar_sb3.cache import cache
 from hexwar_sb3.kernels import Rows
 from hexwar_sb3.maps import cells, geometry, sightlines, travel
 from hexwar_sb3.maps.hexmap import LAYERS, HexMap
-from hexwar_sb3.rules.enums import HopClass
+from hexwar_sb3.rules.indices import CellIndex
 from hexwar_sb3.rules.ruleset import RuleSet
 
 Table: TypeAlias = npt.NDArray[Any]
@@ -69,18 +68,20 @@ class Terrain:
 
     @cached_property
     def los(self) -> Any:
-        """Lines of sight within the longest range, as bits [airborne ends, a, b // 8], read-only."""
-        n_cells = self.hexmap.n_cells
-        shape = (_AIRBORNE_ENDS, n_cells, -(-n_cells // 8))
+        """Lines of sight within the longest range, as windows of bits (`build_los`), read-only."""
+        side = 2 * self._range_cells + 1
+        shape = (_AIRBORNE_ENDS * self.hexmap.n_cells, side, -(-side // 8))
         return _kept(
             f"{self.hash}-los", np.dtype(np.uint8), shape, lambda: self._build_los(self._bare_cells())
         )
 
-    @cached_property
-    def eta(self) -> Any:
-        """Fastest travel times in base hops [HopClass, target, cell], read-only."""
-        shape = (len(HopClass), self.hexmap.n_cells, self.hexmap.n_cells)
-        return _kept(f"{self.hash}-eta", np.dtype(np.uint8), shape, self._build_eta)
+    def times_to(self, hop_class: int, target: int) -> npt.NDArray[np.uint8]:
+        """Fastest travel times from every cell to one, base hops [NC]."""
+        return travel.travel_times(hop_class, CellIndex(target), False, self.rules, self.cells)
+
+    def times_from(self, hop_class: int, start: int) -> npt.NDArray[np.uint8]:
+        """Fastest travel times from one cell to every other, base hops [NC]."""
+        return travel.travel_times(hop_class, CellIndex(start), True, self.rules, self.cells)
 
     def _bare_cells(self) -> Rows:
         """Cells without exposure, which needs the lines of sight."""
@@ -99,17 +100,18 @@ class Terrain:
 
     def _build_cells(self) -> Rows:
         rows = self._bare_cells()
-        rows.exposure = sightlines.exposures(rows, self.los, EXPOSURE_CELLS)
+        width, height = self.hexmap.width, self.hexmap.height
+        rows.exposure = sightlines.exposures(rows, width, height, self.los, EXPOSURE_CELLS)
         return rows
 
     def _build_los(self, rows: Rows) -> npt.NDArray[np.uint8]:
-        range_cells = max(int(self.rules.sight.max()), int(self.rules.observer_cells))
         width, height, grade_m = self.hexmap.width, self.hexmap.height, self.hexmap.grade_m
         air_height_m = int(self.rules.air_height_m)
-        return sightlines.build_los(rows, width, height, range_cells, grade_m, air_height_m)
+        return sightlines.build_los(rows, width, height, self._range_cells, grade_m, air_height_m)
 
-    def _build_eta(self) -> npt.NDArray[np.uint8]:
-        return travel.travel_times(self._bare_cells(), travel.base_hops(self.rules))
+    @property
+    def _range_cells(self) -> int:
+        return max(int(self.rules.sight.max()), int(self.rules.observer_cells))
 
 
 def _kept(name: str, dtype: np.dtype[Any], shape: tuple[int, ...], build: Callable[[], Table]) -> Table:

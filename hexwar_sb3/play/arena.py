@@ -130,15 +130,15 @@ class Arena:
 
     def set_lower(self, b: int, camp: int, lower: Lower) -> None:
         """Say who answers for a camp's pieces on their way: "heuristic", a network, or any callable."""
-        pieces = np.uint32(_bits(self.world.side(camp)))
+        pieces = self.world.side(camp)
         self.drives[b].lower[camp] = HEURISTIC
         if self._answerers.pop((b, camp), None) is not None:
-            self.drives[b].outside &= ~pieces
+            self.drives[b].outside[pieces] = 0
         if isinstance(lower, FrozenLower):
             self.drives[b].lower[camp] = 1 + self._number(lower)
         elif callable(lower):
             self._answerers[b, camp] = lower
-            self.drives[b].outside |= pieces
+            self.drives[b].outside[pieces] = 1
 
     def keep_answers(self, which: Games, camps: NDArray[np.int64], answers: NDArray[Any]) -> None:
         """Let the pieces of camp camps[k] in game which[k] keep answers[k], until illegal or given anew.
@@ -156,20 +156,20 @@ class Arena:
             self.drives[b].lower[camp] = KEPT
             self.drives[b].kept[self.world.side(int(camp))] = kept
 
-    def lead_outside(self, which: Games, pieces: NDArray[np.uint32]) -> None:
+    def lead_outside(self, which: Games, pieces: NDArray[np.bool_]) -> None:
         """Let the caller answer for some pieces of these games, and no others: `advance` stops where they ask.
 
         What callables lead stays with them.
 
         Args:
             which: games [n].
-            pieces: bit i for piece i [n].
+            pieces: that are led [n, P].
         """
-        led = pieces.astype(np.uint32)
+        led = pieces.copy()
         for game, camp in self._answerers:
-            led[which == game] |= np.uint32(_bits(self.world.side(camp)))
-        self.drives.outside[which] = led
-        self.drives.waiting[which] &= led
+            led[which == game, self.world.side(camp)] = True
+        self.drives.outside[which, : led.shape[1]] = led
+        self.drives.waiting[which, : led.shape[1]] &= led
 
     def _number(self, lower: FrozenLower) -> int:
         """Row of a network in `nets`; a new one is put there."""
@@ -198,7 +198,7 @@ class Arena:
         if not self._answerers:
             return which[:0]
         asked: dict[Answerer, list[tuple[int, int]]] = {}
-        for b in which[self.drives.waiting[which] != 0].tolist():
+        for b in which[self.drives.waiting[which].any(axis=1)].tolist():
             for camp in camp_range(2):
                 if (b, camp) in self._answerers:
                     pairs = [(b, int(i)) for i in self.waiting(b, camp)]
@@ -214,8 +214,7 @@ class Arena:
     def waiting(self, b: int, camp: int) -> NDArray[np.int64]:
         """Pieces of a camp that wait for an answer in game b."""
         side = self.world.side(camp)
-        pieces = np.arange(side.start, side.stop)
-        return pieces[(int(self.drives[b].waiting) >> pieces) & 1 == 1]
+        return side.start + np.flatnonzero(self.drives[b].waiting[side])
 
     def look_routes(
         self, which: Games, pieces: NDArray[np.int64], *, ways: bool
@@ -401,11 +400,6 @@ class Arena:
     def _arrays(self) -> Snapshot:
         state = {field.name: getattr(self.state, field.name) for field in fields(State)}
         return {**state, "missions": self.missions, "brains": self.brains, "drives": self.drives}
-
-
-def _bits(side: slice) -> int:
-    """Bit mask of the pieces of a side."""
-    return (1 << side.stop) - (1 << side.start)
 
 
 def _start(world: World, fog: bool) -> State:

@@ -6,6 +6,8 @@ so a game is the same game at every chunk size (architecture.md, section 2).
 
 from __future__ import annotations
 
+import numpy as np
+
 from hexwar_sb3.bots.act import bot_act, next_thought
 from hexwar_sb3.bots.records import AtlasRecord
 from hexwar_sb3.engine.codes import Code
@@ -14,7 +16,7 @@ from hexwar_sb3.engine.step import has_orders, next_due, process, set_tick
 from hexwar_sb3.kernels import Rows, kernel
 from hexwar_sb3.maps.cells import Cells, Sightlines, TravelTimes
 from hexwar_sb3.play.fingerprint import has_news
-from hexwar_sb3.play.lower import HEURISTIC, answer_pieces
+from hexwar_sb3.play.lower import answer_pieces, is_answered
 from hexwar_sb3.play.records import BY_HAND, EARLY_TICKS, EXTERNAL, JUMPED, STEPS, WAITS, DriveRecord
 from hexwar_sb3.rules.compiled import RulesRecord
 from hexwar_sb3.rules.enums import Action, Camp
@@ -25,13 +27,14 @@ from hexwar_sb3.tasks.records import ENDED, Missions, TaskKind
 
 
 @kernel
-def ended_tasks(camp: CampIndex, game: GameRecord, missions: Missions) -> int:
-    """Mask of the camp's pieces whose task is done or impossible; a stop never counts."""
-    mask = 0
-    for i in piece_range(first_piece(camp, game), end_piece(camp, game)):
+def ended_tasks(camp: CampIndex, game: GameRecord, missions: Missions) -> np.uint64:
+    """Bit s: the task of the camp's piece in slot s is done or impossible; a stop never counts."""
+    bits = np.uint64(0)
+    first = first_piece(camp, game)
+    for i in piece_range(first, end_piece(camp, game)):
         if missions[i].state == ENDED and missions[i].kind != TaskKind.STOP:
-            mask |= 1 << i
-    return mask
+            bits |= np.uint64(1) << np.uint64(i - first)
+    return bits
 
 
 @kernel
@@ -43,7 +46,7 @@ def wants_decision(camp: CampIndex, drive: DriveRecord, game: GameRecord, missio
     if drive.early[camp] == 0 or game.tick < drive.decided_at[camp] + EARLY_TICKS:
         return False
     lost = game.loss_tick[camp] > drive.decided_at[camp]
-    return lost or (ended_tasks(camp, game, missions) & ~drive.ended[camp]) != 0
+    return lost or (ended_tasks(camp, game, missions) & ~drive.ended[camp]) != np.uint64(0)
 
 
 @kernel
@@ -87,7 +90,7 @@ def act(
                 rules, cells, los, eta, atlas,
             )  # fmt: skip
             drive.wake_at[camp] = next_thought(brains[camp], game.tick)
-        elif drive.lower[camp] != HEURISTIC or drive.outside != 0:
+        elif is_answered(camp, drive, game):
             if not answer_pieces(
                 camp, drive, game, pieces, memory, missions, rules, cells, los, eta, nets
             ):  # fmt: skip

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from hexwar_sb3.engine.records import GameRecord, Memory, MemoryRecord, PieceRecord, Pieces, Rounds
 from hexwar_sb3.kernels import kernel
 from hexwar_sb3.play.records import DriveRecord
@@ -10,7 +12,8 @@ from hexwar_sb3.tasks.known import end_piece, first_piece
 
 _BITS = (1 << 62) - 1
 _STRIDE = 0x2545F4914F6CDD1D  # any large odd number: its powers tell the fields apart
-_KEYS = tuple(pow(_STRIDE, k, _BITS + 1) for k in range(1, 16))
+_KEYS = tuple(pow(_STRIDE, k, _BITS + 1) for k in range(1, 17))
+_LOW, _HALF = np.uint64(0xFFFFFFFF), np.uint64(32)
 
 
 @kernel
@@ -61,7 +64,8 @@ def own_key(piece: PieceRecord) -> int:
         int(piece.hidden) + 2 * int(piece.suppressed) + 4 * int(piece.waiting) + 8 * int(piece.stop_pending)
     )
     health = int(piece.blood) * _KEYS[10] + flags * _KEYS[11] + int(piece.carrier) * _KEYS[12]
-    return (timers + path + health + int(piece.cell) * _KEYS[13] + int(piece.sees) * _KEYS[14]) & _BITS
+    sight = int(np.int64(piece.sees & _LOW)) * _KEYS[14] + int(np.int64(piece.sees >> _HALF)) * _KEYS[15]
+    return (timers + path + health + int(piece.cell) * _KEYS[13] + sight) & _BITS
 
 
 @kernel

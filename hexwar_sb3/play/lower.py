@@ -90,8 +90,8 @@ def answer_piece(
     lower = drive.lower[piece.camp]
     if mission.goal == NO_CELL or not has_way(piece.kind, piece.cell, mission.goal, rules, cells, eta):
         note_answer(STAY, piece, mission, game.tick)
-    elif (drive.outside >> i) & 1:
-        drive.waiting |= np.uint32(1 << i)
+    elif drive.outside[i]:
+        drive.waiting[i] = 1
     elif lower == KEPT:
         note_answer(kept_answer(i, drive, piece, rules, cells), piece, mission, game.tick)
     else:
@@ -101,20 +101,31 @@ def answer_piece(
 
 
 @kernel
+def is_answered(camp: CampIndex, drive: DriveRecord, game: GameRecord) -> bool:
+    """Whether anybody but the heuristic answers for some piece of the camp."""
+    for i in piece_range(first_piece(camp, game), end_piece(camp, game)):
+        if drive.outside[i]:
+            return True
+    return drive.lower[camp] != HEURISTIC
+
+
+@kernel
 def answer_pieces(
     camp: CampIndex, drive: DriveRecord, game: GameRecord, pieces: Pieces, memory: Memory, missions: Missions, rules: RulesRecord, cells: Cells, los: Sightlines,
     eta: TravelTimes, nets: Rows,
 ) -> bool:  # fmt: skip
     """Answer for the camp's pieces that ask, where it is not the heuristic that does; False: somebody waits."""
-    drive.waiting = np.uint32(0)
+    waits = False
     for i in piece_range(first_piece(camp, game), end_piece(camp, game)):
-        if drive.lower[camp] == HEURISTIC and (drive.outside >> i) & 1 == 0:
+        drive.waiting[i] = 0
+        if drive.lower[camp] == HEURISTIC and not drive.outside[i]:
             continue
         if can_end(pieces[i], missions[i]):
             end_task(i, game, pieces, memory, missions, rules)
         if asks(missions[i]) and needs_answer(pieces[i], missions[i], game.tick):
             answer_piece(i, drive, game, pieces, memory, missions, rules, cells, los, eta, nets)
-    return drive.waiting == 0
+            waits |= drive.waiting[i] == 1
+    return not waits
 
 
 @kernel
@@ -125,4 +136,4 @@ def tell_pieces(
     for k in range(which.size):
         b, i = which[k], numbers[k]
         note_answer(answers[k], pieces[b, i], missions[b, i], games[b].tick)
-        drives[b].waiting &= ~np.uint32(1 << i)
+        drives[b].waiting[i] = 0

@@ -6,7 +6,7 @@ import numpy as np
 
 from hexwar_sb3.bots.registry import Bot
 from hexwar_sb3.engine.records import MAX_PIECES, NEVER
-from hexwar_sb3.records import I1, I2, I4, I8, U1, U4, Table, Vector, dtype_of, within
+from hexwar_sb3.records import I1, I2, I4, I8, U1, U8, Table, Vector, dtype_of, within
 from hexwar_sb3.rules.enums import Action
 from hexwar_sb3.rules.indices import CampIndex, PieceIndex
 
@@ -36,8 +36,8 @@ class DriveRecord:
     # [camp] 1: it has picked, and nobody acted on it yet
     fresh: Vector[CampIndex, U1[int]] = within(0, 1, (2,))
     decided_at: Vector[CampIndex, I2[int]] = within(0, "tick", (2,))  # [camp] tick of its last decision
-    # [camp] bit i: piece i's task had ended before that decision
-    ended: Vector[CampIndex, U4[np.uint32]] = within(0, "piece_bits", (2,))
+    # [camp] bit s: the task of the piece in slot s had ended before that decision
+    ended: Vector[CampIndex, U8[np.uint64]] = within(0, "slot_bits", (2,))
     # [camp] tick at which a bot acts even without news
     wake_at: Vector[CampIndex, I2[int]] = within("tick", ("tick", "think_ticks"), (2,), also=(NEVER,))
     # [camp] fingerprint of what it knew when it last looked (fingerprint.py)
@@ -46,8 +46,10 @@ class DriveRecord:
     lower: Vector[CampIndex, I2[int]] = within(-1, NEVER, (2,))
     # answer that a piece keeps, where `lower` is KEPT
     kept: Vector[PieceIndex, I1[int]] = within(0, 6, (MAX_PIECES,))
-    outside: U4[np.uint32] = within(0, "piece_bits")  # bit i: somebody outside the loop answers for piece i
-    waiting: U4[np.uint32] = within(0, "piece_bits")  # bit i: piece i waits for that answer now
+    # [piece] 1: somebody outside the loop answers for it
+    outside: Vector[PieceIndex, U1[int]] = within(0, 1, (MAX_PIECES,))
+    # [piece] 1: it waits for that answer now
+    waiting: Vector[PieceIndex, U1[int]] = within(0, 1, (MAX_PIECES,))
     stepped_at: I2[int] = within(0, "tick")  # tick of the state that the last step made
     # Action given to each piece in the step under way
     given: Vector[PieceIndex, U1[int]] = within(0, len(Action) - 1, (MAX_PIECES,))

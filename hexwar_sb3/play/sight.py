@@ -128,7 +128,7 @@ def note_decision(camp: CampIndex, drive: DriveRecord, game: GameRecord, mission
     drive.due[camp] = 0
     drive.fresh[camp] = 1
     drive.decided_at[camp] = game.tick
-    drive.ended[camp] = np.uint32(ended_tasks(camp, game, missions))
+    drive.ended[camp] = ended_tasks(camp, game, missions)
 
 
 @kernel

@@ -130,14 +130,12 @@ def _check_drives(world: World, state: State, drives: Rows, bounds: Bounds) -> N
     check_all(
         "drives.lower", outside | (drives.lower == HEURISTIC), drives.lower, f"{HEURISTIC} where a bot sits"
     )
-    waits = (drives.waiting & ~drives.outside) == 0
+    waits = drives.waiting <= drives.outside
     check_all("drives.waiting", waits, drives.waiting, "pieces for which somebody outside answers")
     for camp in (Camp.RED, Camp.BLUE):
-        side = world.side(camp)
-        others = ~np.uint32((1 << side.stop) - (1 << side.start))
-        check_all(
-            "drives.ended", (drives.ended[:, camp] & others) == 0, drives.ended[:, camp], "pieces of the camp"
-        )
+        others = ~np.uint64((1 << len(world.piece_names(camp))) - 1)
+        ended = drives.ended[:, camp]
+        check_all("drives.ended", (ended & others) == 0, ended, "pieces of the camp")
     for b, game in enumerate(state.games):
         if drives.stepped_at[b] < game.tick:
             known = [

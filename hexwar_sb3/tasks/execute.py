@@ -24,7 +24,6 @@ from hexwar_sb3.engine.codes import Code
 from hexwar_sb3.engine.legality import occupy_code
 from hexwar_sb3.engine.pieces import has_path, in_fight, is_settled, on_map
 from hexwar_sb3.engine.records import (
-    MAX_PIECES,
     NEVER,
     NO_CELL,
     NO_PIECE,
@@ -54,7 +53,7 @@ from hexwar_sb3.tasks.phi import (
 )
 from hexwar_sb3.tasks.progress import can_end, end_task
 from hexwar_sb3.tasks.records import ENDED, STAYING, WALKING, MissionRecord, Missions, TaskKind
-from hexwar_sb3.tasks.shots import best_guided, best_shot, expect_loss
+from hexwar_sb3.tasks.shots import best_guided, best_shot, expect_loss, is_taken, slot_bit
 
 GUIDE_SHARE = 0.8  # a chariot whose own shot is worth this share of the guided one fires itself
 
@@ -71,17 +70,18 @@ def execute_tasks(
             end_task(i, game, pieces, memory, missions, rules)
         if needs_answer(pieces[i], missions[i], game.tick):
             ask_lower(i, game, pieces, memory, missions, rules, cells, los, eta)
-    allotted = np.zeros(MAX_PIECES, np.int64)
-    taken = claimed(first, end, orders)
+    allotted = np.zeros(pieces.size, np.int64)
+    taken = claimed(first, end, pieces, orders)
     for i in piece_range(first, end):
-        if seeks_partner(missions[i]) and orders[i].kind == Action.NULL and (taken >> i) & 1 == 0:
+        if seeks_partner(missions[i]) and orders[i].kind == Action.NULL and not is_taken(pieces[i], taken):
             partner = order_with_partner(
                 i, taken, allotted, game, pieces, memory, orders, missions, rules, cells
             )
             if partner != NO_PIECE:
-                taken |= 1 << partner
+                taken |= slot_bit(pieces[partner])
     for i in piece_range(first, end):
-        if orders[i].kind == Action.NULL and (taken >> i) & 1 == 0 and may_act(pieces[i], missions[i], game):
+        idle = orders[i].kind == Action.NULL and not is_taken(pieces[i], taken)
+        if idle and may_act(pieces[i], missions[i], game):
             order_piece(i, allotted, game, pieces, memory, paths, rounds, orders, missions, rules, cells)
 
 
@@ -101,14 +101,14 @@ def may_act(piece: PieceRecord, mission: MissionRecord, game: GameRecord) -> boo
 
 
 @kernel
-def claimed(first: PieceIndex, end: PieceIndex, orders: Orders) -> int:
-    """Bits of the chariots that orders already given lay hands on."""
-    taken = 0
+def claimed(first: PieceIndex, end: PieceIndex, pieces: Pieces, orders: Orders) -> np.uint64:
+    """Bits of the chariots that orders already given lay hands on, by slot."""
+    taken = np.uint64(0)
     for i in piece_range(first, end):
         if orders[i].kind == Action.GUIDE_SHOOT:
-            taken |= 1 << PieceIndex(orders[i].partner)
+            taken |= slot_bit(pieces[orders[i].partner])
         elif orders[i].kind == Action.GET_ON:
-            taken |= 1 << int(orders[i].target)
+            taken |= slot_bit(pieces[orders[i].target])
     return taken
 
 
@@ -151,13 +151,13 @@ def seeks_partner(mission: MissionRecord) -> bool:
 
 @kernel
 def order_with_partner(
-    i: PieceIndex, taken: int, allotted: Rows, game: GameRecord, pieces: Pieces, memory: Memory, orders: Orders, missions: Missions,
+    i: PieceIndex, taken: np.uint64, allotted: Rows, game: GameRecord, pieces: Pieces, memory: Memory, orders: Orders, missions: Missions,
     rules: RulesRecord, cells: Cells,
 ) -> PieceIndex:  # fmt: skip
     """Guide or board, where that is the task and legal now; the chariot it takes, or NO_PIECE."""
     mission = missions[i]
     if mission.kind == TaskKind.BOARD:
-        free = orders[mission.target].kind == Action.NULL and (taken >> int(mission.target)) & 1 == 0
+        free = orders[mission.target].kind == Action.NULL and not is_taken(pieces[mission.target], taken)
         given = free and phi(i, 0, game, pieces, memory, orders, missions, rules, cells)
         return PieceIndex(mission.target) if given else NO_PIECE
     value, target, chariot = best_guided(

@@ -8,12 +8,13 @@ from __future__ import annotations
 
 from hexwar_sb3.engine.pieces import hop_from
 from hexwar_sb3.engine.records import NO_CELL, Memory, PieceRecord, Pieces
+from hexwar_sb3.engine.sight import sees_itself
 from hexwar_sb3.kernels import kernel
 from hexwar_sb3.maps.cells import Cells, Sightlines, TravelTimes
 from hexwar_sb3.maps.geometry import NO_DIRECTION, cells_apart, frame_direction
 from hexwar_sb3.rules.compiled import RulesRecord
 from hexwar_sb3.rules.indices import CampIndex, CellIndex, PieceIndex
-from hexwar_sb3.tasks.known import armed_level, sees_itself, would_see
+from hexwar_sb3.tasks.known import armed_level, would_see
 from hexwar_sb3.tasks.progress import is_at_target
 from hexwar_sb3.tasks.records import Missions, TaskKind
 from hexwar_sb3.tasks.travel import UNREACHABLE, next_direction, travel_ticks
@@ -120,7 +121,7 @@ def _fitness_here(
 ) -> float:
     """The same for the piece's own cell, where what it really sees is known."""
     piece = pieces[i]
-    overlooked = memory[piece.camp, j].seen == 1 and not sees_itself(piece, j)
+    overlooked = memory[piece.camp, j].seen == 1 and not sees_itself(piece, pieces[j])
     if overlooked and task_kind != TaskKind.BOMBARD:
         return _UNFIT
     return fitness(i, piece.cell, j, task_kind, pieces, memory, rules, cells, los)

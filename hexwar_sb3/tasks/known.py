@@ -9,7 +9,7 @@ from __future__ import annotations
 from hexwar_sb3.engine.fire import height_correction
 from hexwar_sb3.engine.pieces import target_class
 from hexwar_sb3.engine.records import NEVER, NO_CELL, GameRecord, Memory, MemoryRecord, PieceRecord, Pieces
-from hexwar_sb3.engine.sight import line_of_sight
+from hexwar_sb3.engine.sight import has_line
 from hexwar_sb3.kernels import kernel
 from hexwar_sb3.maps.cells import Cells, Sightlines
 from hexwar_sb3.maps.geometry import cells_apart
@@ -51,12 +51,6 @@ def age(known: MemoryRecord, tick: int) -> int:
 
 
 @kernel
-def sees_itself(piece: PieceRecord, j: PieceIndex) -> bool:
-    """The piece itself sees piece j now."""
-    return (int(piece.sees) >> int(j)) & 1 == 1
-
-
-@kernel
 def reach_of_sight(
     kind: int, cell: CellIndex, target_kind: int, known: MemoryRecord, rules: RulesRecord, cells: Cells
 ) -> int:
@@ -69,18 +63,6 @@ def reach_of_sight(
     if cells[known.cell].concealed and target_kind != PieceType.AEROCRAFT:
         reach = max(1, reach // int(rules.concealed_sight_divisor))
     return reach
-
-
-@kernel
-def has_line_from(
-    kind: int, cell: CellIndex, target_kind: int, target_cell: CellIndex, los: Sightlines
-) -> bool:
-    """Line of sight between two cells, as far as it depends on who is airborne."""
-    if kind == PieceType.AEROCRAFT:
-        return line_of_sight(los, 2 if target_kind == PieceType.AEROCRAFT else 1, cell, target_cell)
-    if target_kind == PieceType.AEROCRAFT:
-        return line_of_sight(los, 1, target_cell, cell)
-    return line_of_sight(los, 0, cell, target_cell)
 
 
 @kernel
@@ -97,7 +79,7 @@ def would_see(
     apart = cells_apart(cells, cell, known.cell)
     if apart > reach_of_sight(kind, cell, target_kind, known, rules, cells):
         return False
-    return has_line_from(kind, cell, target_kind, known.cell, los)
+    return has_line(kind, cell, target_kind, known.cell, cells, los)
 
 
 @kernel

@@ -9,8 +9,9 @@ import numpy as np
 
 from hexwar_sb3.engine.legality import point_at
 from hexwar_sb3.engine.pieces import hop_from, in_fight, in_motion, is_busy, is_settled, on_map
-from hexwar_sb3.engine.records import MAX_PIECES, NO_CELL, NO_PIECE, GameRecord, Memory, PieceRecord, Pieces
+from hexwar_sb3.engine.records import NO_CELL, NO_PIECE, GameRecord, Memory, PieceRecord, Pieces
 from hexwar_sb3.engine.score import known_margin, margin
+from hexwar_sb3.engine.sight import sees_itself
 from hexwar_sb3.kernels import Rows, kernel
 from hexwar_sb3.maps.cells import Cells, Sightlines, TravelTimes
 from hexwar_sb3.maps.geometry import cells_apart, frame_cell, frame_direction
@@ -30,7 +31,7 @@ from hexwar_sb3.tasks.features import (
     PER_VALUE,
     PER_WAY,
 )
-from hexwar_sb3.tasks.known import age, end_piece, first_piece, known_in_zone, sees_itself, ticks_left
+from hexwar_sb3.tasks.known import age, end_piece, first_piece, known_in_zone, ticks_left
 from hexwar_sb3.tasks.records import MissionRecord, Missions, TaskSets
 from hexwar_sb3.tasks.shots import best_shot
 from hexwar_sb3.tasks.task_rows import N_TASKS, N_TYPES, bounded, put_way, write_rows
@@ -144,9 +145,9 @@ def _put_shots(
     for j in piece_range(
         first_piece(CampIndex(1 - piece.camp), game), end_piece(CampIndex(1 - piece.camp), game)
     ):
-        seen += 1 if sees_itself(piece, j) else 0
+        seen += 1 if sees_itself(piece, pieces[j]) else 0
     if seen > 0:
-        allotted = np.zeros(MAX_PIECES, np.int64)
+        allotted = np.zeros(pieces.size, np.int64)
         now, _, _ = best_shot(i, NO_PIECE, False, allotted, game, pieces, memory, rules, cells)
         settled, _, _ = best_shot(i, NO_PIECE, True, allotted, game, pieces, memory, rules, cells)
         out[at] = seen * PER_COUNT
@@ -215,7 +216,7 @@ def _put_enemies(
             out[at + 1] = 1.0
         else:
             out[at + 2] = known.seen
-            out[at + 3] = 1.0 if sees_itself(pieces[i], j) else 0.0
+            out[at + 3] = 1.0 if sees_itself(pieces[i], pieces[j]) else 0.0
             out[at + 4] = bounded(age(known, game.tick) * PER_GAME)
             put_way(out, at + 5, camp, pieces[i].cell, known.cell, cells)
             out[at + 8] = known.blood * PER_BLOOD
@@ -306,6 +307,6 @@ def is_seen(i: PieceIndex, game: GameRecord, pieces: Pieces) -> bool:
     """Some enemy sees the piece."""
     enemy = CampIndex(1 - pieces[i].camp)
     for j in piece_range(first_piece(enemy, game), end_piece(enemy, game)):
-        if on_map(pieces[j]) and sees_itself(pieces[j], i):
+        if on_map(pieces[j]) and sees_itself(pieces[j], pieces[i]):
             return True
     return False

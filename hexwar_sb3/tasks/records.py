@@ -8,7 +8,7 @@ from typing import TypeAlias
 import numpy as np
 
 from hexwar_sb3.engine.records import NO_CELL, NO_PIECE
-from hexwar_sb3.records import F4, I1, I2, Table, Vector, dtype_of, within
+from hexwar_sb3.records import F4, I1, I2, I4, Table, Vector, dtype_of, within
 from hexwar_sb3.rules.indices import CellIndex, PieceIndex
 
 MAX_TASKS = 40  # K_max: rows of a task set
@@ -38,7 +38,7 @@ class TaskRecord:
 
     kind: I1[int]
     target: I1[PieceIndex]
-    cell: I2[CellIndex]
+    cell: I4[CellIndex]
 
 
 TASK = dtype_of(TaskRecord)
@@ -56,8 +56,8 @@ class MissionRecord:
     direction: I1[int] = within(0, 6)
     hold_fire: I1[int] = within(0, 1)  # 1: no fire of opportunity
     covered: I1[int] = within(0, 1)  # 1: prefer covered routes (bots)
-    cell: I2[CellIndex] = within(NO_CELL, "last_cell")  # of HOLD, HIDE, DROP; NO_CELL
-    goal: I2[CellIndex] = within(NO_CELL, "last_cell")  # the right place as last resolved; NO_CELL
+    cell: I4[CellIndex] = within(NO_CELL, "last_cell")  # of HOLD, HIDE, DROP; NO_CELL
+    goal: I4[CellIndex] = within(NO_CELL, "last_cell")  # the right place as last resolved; NO_CELL
     chosen_at: I2[int] = within(-1, "tick")
     asked_at: I2[int] = within(-1, "tick")  # tick at which the lower level was last asked
     # fire of opportunity from this expected value on, points

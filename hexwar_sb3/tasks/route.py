@@ -17,7 +17,7 @@ from hexwar_sb3.rules.compiled import RulesRecord
 from hexwar_sb3.rules.indices import CampIndex, CellIndex
 from hexwar_sb3.tasks.features import MOST, PER_DETOUR, PER_HOP, PER_LEVEL, ROUTE_WIDTH
 from hexwar_sb3.tasks.task_rows import N_TASKS, N_TYPES, put_way
-from hexwar_sb3.tasks.travel import UNREACHABLE, travel_ticks
+from hexwar_sb3.tasks.travel import UNREACHABLE, ticks_by, travel_ticks, ways_to
 
 N_ANSWERS = 7  # stay and perform, or one of six directions in the camp's frame (III-A)
 STAY = 0
@@ -49,7 +49,8 @@ def observe_route(
     out[N_TYPES + task] = 1.0
     put_way(out, _GOAL, camp, cell, goal, cells)
     out[_HERE] = 1.0 if cell == goal else 0.0
-    way = travel_ticks(kind, cell, goal, rules, cells, eta)
+    row = ways_to(kind, goal, rules, cells, eta)
+    way = ticks_by(row, kind, cell, goal, rules, cells, eta)
     if ways:
         out[_WAY] = min(way * PER_HOP / rules.base_hop[kind], MOST)
     stuck = True
@@ -63,7 +64,8 @@ def observe_route(
             stuck = False
             mask[1 + framed] = 1
             if ways:
-                detour = hop + travel_ticks(kind, cells[cell].neighbour[d], goal, rules, cells, eta) - way
+                neighbour = cells[cell].neighbour[d]
+                detour = hop + ticks_by(row, kind, neighbour, goal, rules, cells, eta) - way
                 out[at + 8] = max(-MOST, min(MOST, detour * PER_DETOUR / rules.base_hop[kind]))
     mask[STAY] = 1 if cell == goal or stuck else 0
 

@@ -11,7 +11,7 @@ import numpy as np
 from hexwar_sb3.engine.codes import Code
 from hexwar_sb3.engine.legality import decompress_code
 from hexwar_sb3.engine.pieces import in_fight, is_ground, on_map, weapon_ammo
-from hexwar_sb3.engine.records import MAX_SIDE, NO_CELL, NO_PIECE, GameRecord, Memory, Pieces
+from hexwar_sb3.engine.records import NO_CELL, NO_PIECE, GameRecord, Memory, Pieces
 from hexwar_sb3.kernels import Rows, kernel
 from hexwar_sb3.maps.cells import Cells, TravelTimes
 from hexwar_sb3.rules.compiled import RulesRecord
@@ -40,7 +40,7 @@ def list_tasks(
         mask: out, i1 [N, K], 1 where the row is valid.
     """
     first = first_piece(camp, game)
-    draft = np.empty((_OTHERS + _SPOT_KINDS * spots.shape[1] + _PIECE_KINDS * MAX_SIDE, 4), np.int16)
+    draft = np.empty((_OTHERS + _SPOT_KINDS * spots.shape[1] + _PIECE_KINDS * pieces.size, 4), np.int32)
     for n in range(end_piece(camp, game) - first):
         count = _add(draft, 0, TaskKind.STOP, NO_PIECE, NO_CELL, 0)
         if on_map(pieces[PieceIndex(first + n)]):

@@ -6,18 +6,21 @@ An enemy is read through the camp's memory only, so a value never tells more tha
 
 from __future__ import annotations
 
+import numpy as np
+
 from hexwar_sb3.engine.codes import Code
 from hexwar_sb3.engine.fire import clamp
 from hexwar_sb3.engine.legality import may_fire_now
 from hexwar_sb3.engine.pieces import in_fight, in_motion, is_settled, on_map, weapon_ammo
 from hexwar_sb3.engine.records import NEVER, NO_PIECE, GameRecord, Memory, Orders, PieceRecord, Pieces
+from hexwar_sb3.engine.sight import sees_itself
 from hexwar_sb3.kernels import Rows, kernel
 from hexwar_sb3.maps.cells import Cells
 from hexwar_sb3.maps.geometry import cells_apart
 from hexwar_sb3.rules.compiled import LEAST_MODIFIER, LEAST_RESULT, RulesRecord
 from hexwar_sb3.rules.enums import Action, PieceType, Weapon
 from hexwar_sb3.rules.indices import CampIndex, CellIndex, PieceIndex, piece_range, point_range
-from hexwar_sb3.tasks.known import end_piece, first_piece, known_in, level_from, sees_itself
+from hexwar_sb3.tasks.known import end_piece, first_piece, known_in, level_from
 
 NO_WEAPON = -1
 
@@ -156,7 +159,7 @@ def shot_value(
 @kernel
 def can_aim(i: PieceIndex, j: PieceIndex, game: GameRecord, pieces: Pieces) -> bool:
     """Piece i itself sees enemy j, and j is not in close combat."""
-    return sees_itself(pieces[i], j) and not in_fight(game, pieces[j])
+    return sees_itself(pieces[i], pieces[j]) and not in_fight(game, pieces[j])
 
 
 @kernel
@@ -241,15 +244,27 @@ def may_launch(i: PieceIndex, c: PieceIndex, game: GameRecord, pieces: Pieces, r
 
 
 @kernel
+def slot_bit(piece: PieceRecord) -> np.uint64:
+    """Bit of a piece in a set of pieces of its camp."""
+    return np.uint64(1) << np.uint64(piece.slot)
+
+
+@kernel
+def is_taken(piece: PieceRecord, taken: np.uint64) -> bool:
+    """Whether a piece is in a set of pieces of its camp."""
+    return (taken & slot_bit(piece)) != np.uint64(0)
+
+
+@kernel
 def best_guided(
-    i: PieceIndex, only: PieceIndex, taken: int, allotted: Rows,
+    i: PieceIndex, only: PieceIndex, taken: np.uint64, allotted: Rows,
     game: GameRecord, pieces: Pieces, memory: Memory, orders: Orders, rules: RulesRecord, cells: Cells,
 ) -> tuple[float, PieceIndex, PieceIndex]:  # fmt: skip
     """The guided shot of greatest value that piece i may order in this step (section 8).
 
     Args:
         i: the guider; `only` and `allotted` as in `best_shot`.
-        taken: bits of the chariots that another order of this step has claimed.
+        taken: bit s: another order of this step lays hands on the camp's piece in slot s.
 
     Returns:
         Value in points (0: none), target and launching chariot (NO_PIECE).
@@ -259,7 +274,7 @@ def best_guided(
         return best, target, launcher
     camp = pieces[i].camp
     for c in piece_range(first_piece(camp, game), end_piece(camp, game)):
-        free = (taken >> c) & 1 == 0 and orders[c].kind == Action.NULL
+        free = orders[c].kind == Action.NULL and not is_taken(pieces[c], taken)
         if not free or not may_launch(i, c, game, pieces, rules):
             continue
         for j in piece_range(first_piece(CampIndex(1 - camp), game), end_piece(CampIndex(1 - camp), game)):

@@ -17,8 +17,9 @@ import numpy.typing as npt
 from hexwar_sb3.engine.world import World
 from hexwar_sb3.errors import ConfigError, FileFormatError
 from hexwar_sb3.maps.document import Document
+from hexwar_sb3.maps.sightlines import GROUND_GROUND, in_sight
 from hexwar_sb3.maps.travel import TOO_FAR
-from hexwar_sb3.rules.enums import Camp
+from hexwar_sb3.rules.enums import Camp, HopClass
 from hexwar_sb3.tasks.records import MAX_TASKS
 from hexwar_sb3.tasks.spots_file import SCHEMA, HotSpots, read_spots, spots_from
 
@@ -55,7 +56,7 @@ BATTLE_CELLS = 14  # from a control point; the farthest ring ends there
 APART_CELLS = 2  # two spots are at least this far apart
 
 
-def load_spots(world: World, k: int = SPOTS, path: str | Path | None = None) -> npt.NDArray[np.int16]:
+def load_spots(world: World, k: int = SPOTS, path: str | Path | None = None) -> npt.NDArray[np.int32]:
     """Cells of G^L(k) for both camps: [2, S], S = control points + k, in the order of each camp's frame.
 
     Args:
@@ -72,8 +73,8 @@ def load_spots(world: World, k: int = SPOTS, path: str | Path | None = None) -> 
     points = [point.cell for point in world.scenario.points]
     spots = _shipped(world) if path is None else _named(world, k, Path(path))
     if spots is None or min(len(camp.cells) for camp in spots.camps) < k:
-        return np.array([points + static_spots(world, camp, k) for camp in (Camp.RED, Camp.BLUE)], np.int16)
-    return np.array([points + list(camp.cells[:k]) for camp in spots.camps], np.int16)
+        return np.array([points + static_spots(world, camp, k) for camp in (Camp.RED, Camp.BLUE)], np.int32)
+    return np.array([points + list(camp.cells[:k]) for camp in spots.camps], np.int32)
 
 
 def max_spots(world: World) -> int:
@@ -127,8 +128,8 @@ def _named(world: World, k: int, path: Path) -> HotSpots:
 
 def reachable(world: World, points: list[int]) -> Bools:
     """Cells from which both hop classes reach every control point [NC]."""
-    ways = world.eta[:, points, :] < TOO_FAR
-    return np.asarray(ways.all(axis=(0, 1)) & (world.cells.passable == 1))
+    ways = [world.terrain.times_to(hop_class, point) < TOO_FAR for hop_class in HopClass for point in points]
+    return np.asarray(np.all(ways, axis=0) & (world.cells.passable == 1))
 
 
 def overlooking(world: World, point: int) -> Bools:
@@ -153,7 +154,7 @@ def away_from(world: World, taken: list[int], least: int = APART_CELLS) -> Bools
 
 def _seen_from(world: World, cell: int) -> Bools:
     """Cells with a line of sight to one cell, both ends on the ground [NC]."""
-    return np.unpackbits(world.los[0, cell], bitorder="little")[: world.cells.size].astype(np.bool_)
+    return in_sight(world.los, GROUND_GROUND, cell, world.cells)
 
 
 def _best_cell(world: World, camp: int, ring: Ring, point: int, free: Bools) -> int:

@@ -27,7 +27,7 @@ SOURCE_CHARACTERS = 500
 _HEAD = ("schema", "map", "map_hash", "source", "k")
 _KEYS = (*_HEAD, "red", "blue", "walls")
 _MAX_VISITS = 10**9
-_MAX_WALLS = 30_000  # a map of 99 x 99 cells has fewer pairs of neighbours
+_MAX_WALLS = 190_000  # a map of 250 x 250 cells has fewer pairs of neighbours
 
 
 @dataclass(frozen=True, kw_only=True)

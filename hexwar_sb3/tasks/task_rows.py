@@ -7,7 +7,8 @@ import numpy as np
 from hexwar_sb3.engine.codes import Code
 from hexwar_sb3.engine.legality import get_off_code, get_on_code, indirect_code, point_at
 from hexwar_sb3.engine.pieces import has_path, in_fight
-from hexwar_sb3.engine.records import MAX_PIECES, NO_CELL, NO_PIECE, GameRecord, Memory, PieceRecord, Pieces
+from hexwar_sb3.engine.records import NO_CELL, NO_PIECE, GameRecord, Memory, PieceRecord, Pieces
+from hexwar_sb3.engine.sight import sees_itself
 from hexwar_sb3.kernels import Rows, kernel
 from hexwar_sb3.maps.cells import Cells, Sightlines, TravelTimes
 from hexwar_sb3.maps.geometry import cells_apart, frame_cell
@@ -33,7 +34,6 @@ from hexwar_sb3.tasks.known import (
     best_level,
     end_piece,
     first_piece,
-    sees_itself,
     would_see,
 )
 from hexwar_sb3.tasks.records import MissionRecord, Missions, TaskKind, TaskRecord, Tasks
@@ -141,7 +141,7 @@ def _put_target(
     out[at] = rules.value[kind] * int(known.blood) * PER_WORTH
     out[at + 1] = min(age(known, game.tick) * PER_AGE, MOST)
     out[at + 2] = known.seen
-    out[at + 3] = 1.0 if sees_itself(piece, j) else 0.0
+    out[at + 3] = 1.0 if sees_itself(piece, pieces[j]) else 0.0
     out[at + 4] = known.hidden
     out[at + 5] = known.suppressed
     out[at + 6] = known.moving
@@ -174,7 +174,7 @@ def _action(
         value = mortar_value(i, known.cell, known.seen == 1, game, pieces, memory, rules, cells)
         return free and indirect_code(piece, known.cell, rules, cells) == Code.OK, value
     if kind == TaskKind.SHADOW:
-        return sees_itself(piece, j), 0.0
+        return sees_itself(piece, pieces[j]), 0.0
     if kind == TaskKind.BOARD:
         return free and get_on_code(piece, j, pieces) == Code.OK, 0.0
     if kind == TaskKind.DROP and task.cell == piece.cell:
@@ -194,9 +194,9 @@ def _direct(
     rules: RulesRecord,
     cells: Cells,
 ) -> tuple[bool, float]:
-    if not sees_itself(pieces[i], j):
+    if not sees_itself(pieces[i], pieces[j]):
         return False, 0.0
-    allotted = np.zeros(MAX_PIECES, np.int64)
+    allotted = np.zeros(pieces.size, np.int64)
     now, _, _ = best_shot(i, j, False, allotted, game, pieces, memory, rules, cells)
     settled, _, _ = best_shot(i, j, True, allotted, game, pieces, memory, rules, cells)
     return now > 0.0, settled
@@ -214,7 +214,7 @@ def _guided(
 ) -> tuple[bool, float]:
     if not can_aim(i, j, game, pieces):
         return False, 0.0
-    allotted = np.zeros(MAX_PIECES, np.int64)
+    allotted = np.zeros(pieces.size, np.int64)
     ready = may_guide(i, game, pieces)
     now, best = False, 0.0
     for c in piece_range(first_piece(pieces[i].camp, game), end_piece(pieces[i].camp, game)):

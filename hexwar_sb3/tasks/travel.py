@@ -6,7 +6,7 @@ from hexwar_sb3.engine.pieces import hop_from
 from hexwar_sb3.kernels import kernel
 from hexwar_sb3.maps.cells import Cells, TravelTimes
 from hexwar_sb3.maps.geometry import NO_DIRECTION, cells_apart, frame_direction
-from hexwar_sb3.maps.travel import TOO_FAR
+from hexwar_sb3.maps.travel import TOO_FAR, row_to
 from hexwar_sb3.rules.compiled import RulesRecord
 from hexwar_sb3.rules.enums import HopClass, PieceType
 from hexwar_sb3.rules.indices import CampIndex, CellIndex
@@ -20,10 +20,27 @@ def travel_ticks(
     kind: int, start: CellIndex, goal: CellIndex, rules: RulesRecord, cells: Cells, eta: TravelTimes
 ) -> int:
     """Fastest time of a type of piece from one cell to another, ticks; UNREACHABLE: no way."""
+    return ticks_by(ways_to(kind, goal, rules, cells, eta), kind, start, goal, rules, cells, eta)
+
+
+@kernel
+def ways_to(kind: int, goal: CellIndex, rules: RulesRecord, cells: Cells, eta: TravelTimes) -> int:
+    """The row of all ways of a type of piece to a cell, for `ticks_by`; whoever flies needs none."""
+    if kind == PieceType.AEROCRAFT:
+        return 0
+    hop_class = HopClass.SOLDIER if kind == PieceType.SOLDIER else HopClass.VEHICLE
+    return row_to(hop_class, goal, rules, cells, eta)
+
+
+@kernel
+def ticks_by(
+    row: int, kind: int, start: CellIndex, goal: CellIndex, rules: RulesRecord, cells: Cells, eta: TravelTimes
+) -> int:
+    """`travel_ticks` by the row of the goal, which is looked up once for many starts."""
     base = int(rules.base_hop[kind])
     if kind == PieceType.AEROCRAFT:
         return base * cells_apart(cells, start, goal)
-    hops = int(eta[HopClass.SOLDIER if kind == PieceType.SOLDIER else HopClass.VEHICLE, goal, start])
+    hops = int(eta[row, start])
     return UNREACHABLE if hops == TOO_FAR else base * hops
 
 
@@ -55,14 +72,15 @@ def next_direction(
     best_cost = float(UNREACHABLE)
     if start == goal:
         return best
-    from_here = travel_ticks(kind, start, goal, rules, cells, eta)
+    row = ways_to(kind, goal, rules, cells, eta)
+    from_here = ticks_by(row, kind, start, goal, rules, cells, eta)
     for framed in range(6):
         d = frame_direction(framed, camp)
         hop = hop_from(kind, start, d, rules, cells)
         if hop == 0:
             continue
         cell = cells[start].neighbour[d]
-        rest = travel_ticks(kind, cell, goal, rules, cells, eta)
+        rest = ticks_by(row, kind, cell, goal, rules, cells, eta)
         cost = rest + hop_cost(cell, hop, covered, cells)
         if rest < from_here and cost < best_cost:
             best, best_cost = d, cost

@@ -315,7 +315,7 @@ def tables(hexmap: Any) -> list[Any]:
     from hexwar_sb3.rules.ruleset import default_rules
 
     terrain = Terrain(hexmap, default_rules())
-    return [terrain.cells, terrain.los, terrain.eta]
+    return [terrain.cells, terrain.los]
 
 
 if __name__ == "__main__":

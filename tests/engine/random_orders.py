@@ -8,7 +8,6 @@ from hexwar_sb3.engine.codes import Code
 from hexwar_sb3.engine.dice import splitmix64
 from hexwar_sb3.engine.legality import order_code
 from hexwar_sb3.engine.records import (
-    MAX_PIECES,
     NO_CELL,
     GameRecord,
     OrderRecord,
@@ -24,6 +23,7 @@ from hexwar_sb3.rules.enums import Action, Camp
 from hexwar_sb3.rules.indices import CampIndex, CellIndex, PieceIndex, piece_range
 
 _N_DIRECTIONS = len(DIRECTION_NAMES)
+_NUMBERS = 32  # of which a piece is drawn: some are of none
 _TRIES = 32  # candidates for a piece before it does nothing; the first half of them tries to act
 _DRAWS = 16  # random numbers of one candidate
 _LONGEST_PATH = 6
@@ -85,10 +85,10 @@ def propose(
     boards = order.kind == Action.GET_ON or order.kind == Action.GET_OFF
     order.target = any_of(
         pieces[i].camp if boards else CampIndex(1 - pieces[i].camp),
-        draw(seed, tick, i, n0 + 2, MAX_PIECES),
+        draw(seed, tick, i, n0 + 2, _NUMBERS),
         game,
     )
-    order.partner = any_of(pieces[i].camp, draw(seed, tick, i, n0 + 3, MAX_PIECES), game)
+    order.partner = any_of(pieces[i].camp, draw(seed, tick, i, n0 + 3, _NUMBERS), game)
     order.cell = CellIndex(draw(seed, tick, i, n0 + 4, cells.size))
     order.path_len = 1 + draw(seed, tick, i, n0 + 5, _LONGEST_PATH)
     walk(order, pieces[i].cell, pieces[order.target].cell, draw(seed, tick, i, n0 + 6, _CHASES), cells)

@@ -10,6 +10,7 @@ from hexwar_sb3.engine.game import Game
 from hexwar_sb3.engine.harm import apply_results
 from hexwar_sb3.engine.orders import Hide, IndirectShoot, Move
 from hexwar_sb3.engine.records import NEVER, NO_PIECE
+from hexwar_sb3.kernels import Rows
 
 SOLDIER = "map plain-9x5\nred soldier 0103{words}\nblue tank 0303"
 TANK = "map plain-9x5\nred tank 0103{words}\nblue tank 0303"
@@ -22,12 +23,20 @@ def at_tick_5(board: str, words: str = "") -> Game:
     return game
 
 
+def changed(pieces: Rows) -> int:
+    """Bits of the pieces that are to be looked at again, which are then forgotten."""
+    bits = sum(1 << i for i in range(pieces.size) if pieces[i].changed_now)
+    pieces.changed_now = 0
+    return bits
+
+
 def hit(game: Game, *results: int) -> int:
     """Apply some results to the first piece in the present tick, 0 suppresses, n are losses; bits of the dead."""
     record, pieces, *_, log = game.state.game(0)
     for result in results:
         add_result(pieces[0], result)
-    return int(apply_results(record, pieces, log, game.world.tables[0]))
+    apply_results(record, pieces, log, game.world.tables[0])
+    return changed(pieces)
 
 
 def blood(game: Game) -> list[int]:

@@ -323,4 +323,8 @@ def set_out(game: Game, i: int, direction: int) -> None:
 def let_arrive(game: Game) -> int:
     """Bits of the pieces that end their hops in the present step."""
     record, pieces, _, paths, _, _, log = game.state.game(0)
-    return int(arrive(record, pieces, paths, log, *game.world.tables[:2]))
+    pieces.came_now = pieces.changed_now = 0
+    arrived = arrive(record, pieces, paths, log, *game.world.tables[:2])
+    assert (pieces.came_now == pieces.changed_now).all()
+    assert arrived == pieces.came_now.any()
+    return sum(1 << i for i in range(pieces.size) if pieces[i].came_now)

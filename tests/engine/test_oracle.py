@@ -120,7 +120,8 @@ class Referee:
         return 0 if p.arrives_at == NEVER else int(p.hop_need - (p.arrives_at - self.game.tick))
 
     def sees(self, i: int, t: int) -> bool:
-        return bool(int(self.pieces[i].sees) >> t & 1)
+        own, other = self.pieces[i], self.pieces[t]
+        return bool(own.camp != other.camp and int(own.sees) >> int(other.slot) & 1)
 
     def armed(self, p: Row, weapon: str) -> bool:
         return weapon in ARMS[int(p.kind)].split() and p.ammo[POOLS[weapon]] > 0

@@ -105,11 +105,12 @@ def check_invariants(state: State, world: World) -> None:
         assert p.passenger == NO_PIECE or pieces[p.passenger].carrier == i
         assert p.board_partner == NO_PIECE or pieces[p.board_partner].board_partner == i
         assert not any((p.losses_now, p.hit_now, p.zero_now, *p.spent_now))
+        assert not any((p.came_now, p.covered_now, p.changed_now))
     both = {cell for camp, cell in places if camp == 0} & {cell for camp, cell in places if camp == 1}
     assert sorted(c for c in game.fight_cell if c != NO_CELL) == sorted(both)
     for camp in (Camp.RED, Camp.BLUE):
         seen = np.bitwise_or.reduce(pieces.sees[pieces.camp == camp])
-        now = [bool(int(seen) >> i & 1) for i in range(pieces.size)]
+        now = [bool(int(seen) >> int(piece.slot) & 1) for piece in pieces]
         enemies = pieces.camp != camp
         assert (memory[camp].seen[enemies] == np.array(now)[enemies]).all()
         assert (memory[camp].cell[(memory[camp].seen == 1)] == pieces.cell[memory[camp].seen == 1]).all()
@@ -191,9 +192,8 @@ def turned_rows(rows: Rows, world: World) -> Rows:
             rows[name] = 1 - values
         elif name == "path":
             rows[name] = np.array(MIRROR_DIRECTION)[values]
-        elif name in {"sees", "judged"}:
-            low = values & np.uint32((1 << n) - 1)
-            rows[name] = (values >> np.uint32(n)) | (low << np.uint32(n))
+        elif name == "judged":
+            rows[name] = values[..., ::-1]
     return rows
 
 

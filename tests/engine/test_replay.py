@@ -285,7 +285,7 @@ def test_an_event_or_figure_that_did_not_come_is_not_verified(game: Game) -> Non
     [
         ({"orders": ["tank0 fly"]}, "unknown action 'fly'"),
         ({"orders": ["tank9 hide"]}, "unknown piece 'red:tank9'"),
-        ({"orders": [7]}, "orders.orders: found [7]; expected at most 16 orders as texts"),
+        ({"orders": [7]}, "orders.orders: found [7]; expected at most 64 orders as texts"),
         ({"camp": "green"}, 'orders.camp: found "green"; expected red or blue'),
         ({"tick": -5}, "found -5; expected a whole number"),
         ({"tick": "soon"}, "expected a whole number"),

@@ -120,9 +120,9 @@ WRONG: dict[str, tuple[Any, str]] = {
         {"type": "orders", "tick": 1, "camp": None, "orders": []},
         r"orders\.camp: found null",
     ),
-    "orders of forty pieces": (
-        {"type": "orders", "tick": 1, "camp": "red", "orders": ["x"] * 40},
-        "at most 16 orders",
+    "orders of a hundred pieces": (
+        {"type": "orders", "tick": 1, "camp": "red", "orders": ["x"] * 100},
+        "at most 64 orders",
     ),
     "a change of two": ({**EDIT, "changes": [["red:tank0", "blood"]]}, r"edit\.changes"),
     "a second head": ({"type": "head"}, "expected one of orders"),

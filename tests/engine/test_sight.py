@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import numpy as np
 import pytest
 
 from hexwar_sb3.engine.game import Game
@@ -211,10 +210,12 @@ def test_only_the_pieces_named_are_looked_at_again() -> None:
     """Section 6: what they see, and who sees them."""
     game = Game.from_text("map plain-9x3\nred tank 0202\nred tank 0203\nblue tank 0502\nblue tank 0503")
     game.pieces.sees = 0
-    look_around(np.uint32(0b0001), game.pieces, *game.world.tables)
-    assert game.pieces.sees.tolist() == [0b1100, 0, 0b0001, 0b0001]
+    game.pieces[0].changed_now = 1
+    look_around(game.pieces, *game.world.tables)
+    assert game.pieces.sees.tolist() == [0b11, 0, 0b01, 0b01]
+    assert not game.pieces.changed_now.any()
     look_all(game.pieces, *game.world.tables)
-    assert game.pieces.sees.tolist() == [0b1100, 0b1100, 0b0011, 0b0011]
+    assert game.pieces.sees.tolist() == [0b11, 0b11, 0b11, 0b11]
 
 
 def test_a_camp_knows_since_when_an_enemy_is_in_sight_and_stands_in_its_cell() -> None:

@@ -63,7 +63,7 @@ def change_piece(i: int, camp: Camp, state: State, world: World, rng: np.random.
     look_all(trial, rules, cells, los)
     known = np.bitwise_or.reduce(trial.sees[pieces.camp == camp])
     if (
-        int(known) >> i & 1
+        int(known) >> int(piece.slot) & 1
         or piece.carrier != NO_PIECE
         or any(pieces[j].cell == piece.cell for j in range(pieces.size) if j != i)
     ):

@@ -110,8 +110,8 @@ def policy_act(policy: Any) -> list[Any]:
 
 
 def world_tables(world: Any) -> list[Any]:
-    tables = [world.cells, world.los, world.eta, world.rules, world.terrain.los, make_atlas(world)]
-    assert not any(table.flags.writeable for table in (*tables[:3], tables[4], tables[5]))
+    tables = [world.cells, world.los, world.rules, make_atlas(world)]
+    assert not any(tables[k].flags.writeable for k in (0, 1, 3))
     return [table.tobytes() for table in tables]
 
 

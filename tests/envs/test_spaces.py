@@ -10,6 +10,7 @@ import pytest
 from gymnasium import spaces
 from numpy.typing import NDArray
 
+from hexwar_sb3.engine.world import load_world
 from hexwar_sb3.envs.flat_env import FlatEnv
 from hexwar_sb3.envs.parallel import parallel_env
 from hexwar_sb3.envs.registration import FLAT_ENV, TASK_ENV, make_vec_env
@@ -17,6 +18,7 @@ from hexwar_sb3.envs.route_env import RouteEnv
 from hexwar_sb3.envs.task_env import TaskEnv
 from hexwar_sb3.errors import ConfigError
 from hexwar_sb3.maps.scenario import Scenario
+from hexwar_sb3.tasks.spots import SPOTS, max_spots
 
 DECISIONS, HOPS = 6, 25  # of a game; of a route env
 Rng = np.random.Generator
@@ -32,7 +34,15 @@ def settings(scenario: Scenario, rng: Rng, **more: Any) -> dict[str, Any]:
     ticks = max(2, -(-scenario.game_ticks // DECISIONS))
     side = ("red", "blue")[rng.integers(2)]
     opponent = ("MA1", "MA2")[rng.integers(2)]
-    return {"scenario": scenario, "side": side, "opponent": opponent, "decision_ticks": ticks, **more}
+    spots = min(SPOTS, max_spots(load_world(scenario)))
+    terms = {
+        "scenario": scenario,
+        "side": side,
+        "opponent": opponent,
+        "decision_ticks": ticks,
+        "spots": spots,
+    }
+    return {**terms, **more}
 
 
 def of_task(scenario: Scenario, rng: Rng) -> Iterator[tuple[spaces.Space[Any], Any]]:
@@ -79,8 +89,8 @@ def of_route(scenario: Scenario, rng: Rng) -> Iterator[tuple[spaces.Space[Any], 
 
 
 def of_parallel(scenario: Scenario, rng: Rng) -> Iterator[tuple[spaces.Space[Any], Any]]:
-    ticks = settings(scenario, rng)["decision_ticks"]
-    env = parallel_env(scenario, decision_ticks=ticks)
+    terms = settings(scenario, rng)
+    env = parallel_env(scenario, decision_ticks=terms["decision_ticks"], spots=terms["spots"])
     seen, _ = env.reset(seed=0)
     while env.agents:
         picked = {agent: int(valid(rng, seen[agent]["action_mask"])) for agent in env.agents}

@@ -96,13 +96,18 @@ def test_vehicles_reach_the_main_point_in_480_to_900_ticks(name: str) -> None:
     terrain = Terrain(scenario.hexmap, default_rules())
     for piece in scenario.pieces:
         if piece.kind in (PieceType.TANK, PieceType.CHARIOT):
-            assert 480 <= 20 * int(terrain.eta[HopClass.VEHICLE, scenario.points[0].cell, piece.cell]) <= 900
+            assert (
+                480
+                <= 20 * int(terrain.times_to(HopClass.VEHICLE, scenario.points[0].cell)[piece.cell])
+                <= 900
+            )
 
 
 def test_every_passable_cell_can_be_reached(terrain: Terrain) -> None:
     main = 34 * terrain.hexmap.width + 35
     passable = terrain.hexmap.passable.ravel()
-    assert (terrain.eta[:, main, passable] < TOO_FAR).all()
+    for hop_class in HopClass:
+        assert (terrain.times_to(hop_class, main)[passable] < TOO_FAR).all()
 
 
 def test_builtin_files_are_small() -> None:

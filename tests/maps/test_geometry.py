@@ -31,14 +31,29 @@ def test_the_default_size_has_4935_playable_cells() -> None:
 
 
 def test_the_name_of_x_8_y_11_is_0912() -> None:
-    assert geometry.cell_name(11 * WIDTH + 8, WIDTH) == "0912"
+    assert geometry.cell_name(11 * WIDTH + 8, WIDTH, HEIGHT) == "0912"
     assert geometry.parse_cell("0912", WIDTH, HEIGHT) == 11 * WIDTH + 8
 
 
 def test_every_name_reads_back_as_its_cell() -> None:
     playable = geometry.playable_mask(WIDTH, HEIGHT).ravel()
     for cell in np.flatnonzero(playable).tolist():
-        assert geometry.parse_cell(geometry.cell_name(cell, WIDTH), WIDTH, HEIGHT) == cell
+        assert geometry.parse_cell(geometry.cell_name(cell, WIDTH, HEIGHT), WIDTH, HEIGHT) == cell
+
+
+@pytest.mark.parametrize(("width", "height"), [(99, 99), (100, 3), (3, 100), (250, 250)])
+def test_names_have_six_digits_where_a_side_has_100_cells(width: int, height: int) -> None:
+    names = [geometry.cell_name(cell, width, height) for cell in range(width * height)]
+    assert {len(name) for name in names} == {4 if max(width, height) < 100 else 6}
+    assert len(set(names)) == len(names)
+    for cell in np.flatnonzero(geometry.playable_mask(width, height)).tolist():
+        assert geometry.parse_cell(names[cell], width, height) == cell
+
+
+@pytest.mark.parametrize("name", ["0912", "9012", "0090012", "000012", "251001", "250002"])
+def test_a_name_of_another_length_is_no_cell_of_a_large_map(name: str) -> None:
+    with pytest.raises(ConfigError, match=r"six digits|off the map"):
+        geometry.parse_cell(name, 250, 250)
 
 
 @pytest.mark.parametrize(

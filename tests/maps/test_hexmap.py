@@ -54,7 +54,7 @@ def test_sides_are_3_to_99_cells(board: Any) -> None:
         for f in fields(hexmap)
         if f.name not in ("name", "grade_m", "seed")
     }
-    with pytest.raises(ConfigError, match="3 to 99"):
+    with pytest.raises(ConfigError, match="3 to 250"):
         HexMap(name="small", grade_m=10, **layers)
 
 

@@ -12,7 +12,7 @@ import pytest
 
 from hexwar_sb3.maps.geometry import cells_apart, cube_coordinates, mirror_cells, playable_mask
 from hexwar_sb3.maps.hexmap import HexMap
-from hexwar_sb3.maps.sightlines import AIR_AIR, AIR_GROUND, GROUND_GROUND, see
+from hexwar_sb3.maps.sightlines import AIR_AIR, AIR_GROUND, GROUND_GROUND, in_sight, line_of_sight
 from hexwar_sb3.maps.terrain import Terrain
 from hexwar_sb3.rules import default_rules
 from hexwar_sb3.rules.indices import CellIndex
@@ -21,9 +21,14 @@ SIGHT_CELLS, AIR_HEIGHT_M = 25, 200
 ENDS = [(0, 0), (1, 0), (0, 1), (1, 1)]  # is a airborne, is b airborne
 
 
-def bits(los: npt.NDArray[np.uint8], n_cells: int) -> npt.NDArray[np.uint8]:
-    """The matrices of a table, one byte a bit [airborne ends, a, b]."""
-    return np.unpackbits(los, axis=2, count=n_cells, bitorder="little")
+def bits(terrain: Terrain) -> npt.NDArray[np.bool_]:
+    """The matrices of a map [airborne ends, a, b]."""
+    return np.array(
+        [
+            [in_sight(terrain.los, airborne, a, terrain.cells) for a in range(terrain.hexmap.n_cells)]
+            for airborne in (GROUND_GROUND, AIR_GROUND, AIR_AIR)
+        ]
+    )
 
 
 def rounded(q: float, r: float) -> tuple[int, int]:
@@ -69,20 +74,28 @@ def slow_sight(hexmap: HexMap, a: int, b: int, a_flies: int, b_flies: int) -> bo
     return n <= SIGHT_CELLS and (is_clear(1e-6) or is_clear(-1e-6))
 
 
-def fast_sight(los: npt.NDArray[np.uint8], a: int, b: int, a_flies: int, b_flies: int) -> bool:
-    return see(los, a_flies + b_flies, *((a, b) if a_flies >= b_flies else (b, a)))
+def see(terrain: Terrain, airborne: int, a: int, b: int) -> bool:
+    return bool(line_of_sight(terrain.los, airborne, CellIndex(a), CellIndex(b), terrain.cells))
+
+
+def fast_sight(terrain: Terrain, a: int, b: int, a_flies: int, b_flies: int) -> bool:
+    """By the kernel, and by all that a cell sees."""
+    one, other = (a, b) if a_flies >= b_flies else (b, a)
+    found = see(terrain, a_flies + b_flies, one, other)
+    assert in_sight(terrain.los, a_flies + b_flies, one, terrain.cells)[other] == found
+    return found
 
 
 @pytest.mark.usefixtures("own_cache")
 @pytest.mark.parametrize("seed", range(3))
 def test_all_pairs_of_a_rough_map_agree_with_the_slow_rule(rough_board: Any, seed: int) -> None:
     hexmap = rough_board(seed, width=8, height=9)
-    los = Terrain(hexmap, default_rules()).los
+    terrain = Terrain(hexmap, default_rules())
     playable = np.flatnonzero(hexmap.playable).tolist()
     for a in playable:
         for b in playable:
             for ends in ENDS:
-                assert fast_sight(los, a, b, *ends) == slow_sight(hexmap, a, b, *ends), (a, b, ends)
+                assert fast_sight(terrain, a, b, *ends) == slow_sight(hexmap, a, b, *ends), (a, b, ends)
 
 
 def test_random_pairs_of_the_builtin_maps_agree_with_the_slow_rule(terrain: Terrain) -> None:
@@ -93,40 +106,40 @@ def test_random_pairs_of_the_builtin_maps_agree_with_the_slow_rule(terrain: Terr
     assert len(near) > 500
     for a, b in near[:500]:
         for ends in ENDS:
-            assert fast_sight(terrain.los, a, b, *ends) == slow_sight(terrain.hexmap, a, b, *ends)
+            assert fast_sight(terrain, a, b, *ends) == slow_sight(terrain.hexmap, a, b, *ends)
 
 
 def test_sight_is_mutual(terrain: Terrain) -> None:
-    matrices = bits(terrain.los, terrain.hexmap.n_cells)
+    matrices = bits(terrain)
     for ends in (GROUND_GROUND, AIR_AIR):
         assert (matrices[ends] == matrices[ends].T).all()
 
 
 def test_sight_is_the_same_in_the_mirror(terrain: Terrain) -> None:
     mirror = mirror_cells(terrain.hexmap.width, terrain.hexmap.height)
-    for matrix in bits(terrain.los, terrain.hexmap.n_cells):
+    for matrix in bits(terrain):
         assert (matrix[np.ix_(mirror, mirror)] == matrix).all()
 
 
 def test_the_mirrored_map_has_the_mirrored_sight(rough_board: Any) -> None:
     hexmap = rough_board(5)
     mirror = mirror_cells(hexmap.width, hexmap.height)
-    here = bits(Terrain(hexmap, default_rules()).los, hexmap.n_cells)
-    there = bits(Terrain(hexmap.mirrored(), default_rules()).los, hexmap.n_cells)
+    here = bits(Terrain(hexmap, default_rules()))
+    there = bits(Terrain(hexmap.mirrored(), default_rules()))
     assert (there[:, mirror][:, :, mirror] == here).all()
 
 
 def test_void_cells_neither_see_nor_are_seen(terrain: Terrain) -> None:
-    matrices = bits(terrain.los, terrain.hexmap.n_cells)
+    matrices = bits(terrain)
     void = ~terrain.hexmap.playable.ravel()
     assert not matrices[:, void].any()
     assert not matrices[:, :, void].any()
 
 
 def test_a_cell_sees_itself_and_its_neighbours_whatever_stands_there(board: Any) -> None:
-    los = Terrain(board("fff\nff\nfff", "0 30 0\n30 0\n0 30 0"), default_rules()).los
+    terrain = Terrain(board("fff\nff\nfff", "0 30 0\n30 0\n0 30 0"), default_rules())
     for b in (4, 3, 1, 2, 7, 8):
-        assert see(los, GROUND_GROUND, 4, b)
+        assert see(terrain, GROUND_GROUND, 4, b)
 
 
 def one_row(board: Any, symbols: str, levels: str) -> Terrain:
@@ -137,7 +150,7 @@ def one_row(board: Any, symbols: str, levels: str) -> Terrain:
 
 
 def sees_from_end_to_end(terrain: Terrain, airborne: int = GROUND_GROUND) -> bool:
-    return see(terrain.los, airborne, 22, 32)
+    return see(terrain, airborne, 22, 32)
 
 
 def test_level_open_ground_does_not_block(board: Any) -> None:
@@ -167,13 +180,13 @@ def test_a_line_between_two_cells_is_blocked_only_on_both_sides(board: Any) -> N
     a, b = 1, 7
     for symbols, expected in (("ff", False), ("f.", True), (".f", True), ("..", True)):
         terrain = Terrain(board(f"...\n{symbols}\n..."), default_rules())
-        assert see(terrain.los, GROUND_GROUND, a, b) is expected
+        assert see(terrain, GROUND_GROUND, a, b) is expected
 
 
 def test_void_at_the_edge_blocks(board: Any) -> None:
     """From (0, 0) to (0, 2) the line runs between (0, 1) and nothing."""
-    assert not see(Terrain(board("...\nf.\n..."), default_rules()).los, GROUND_GROUND, 0, 6)
-    assert see(Terrain(board("...\n..\n..."), default_rules()).los, GROUND_GROUND, 0, 6)
+    assert not see(Terrain(board("...\nf.\n..."), default_rules()), GROUND_GROUND, 0, 6)
+    assert see(Terrain(board("...\n..\n..."), default_rules()), GROUND_GROUND, 0, 6)
 
 
 def test_exposure_is_the_share_of_near_cells_that_see_a_cell(terrain: Terrain) -> None:
@@ -182,5 +195,5 @@ def test_exposure_is_the_share_of_near_cells_that_see_a_cell(terrain: Terrain) -
     for cell in np.flatnonzero(terrain.hexmap.playable).tolist():
         if cell != target and cells_apart(cells, CellIndex(target), CellIndex(cell)) <= 15:
             near += 1
-            seen += see(terrain.los, GROUND_GROUND, cell, target)
+            seen += see(terrain, GROUND_GROUND, cell, target)
     assert cells[target].exposure == np.float32(seen / near)

@@ -16,8 +16,9 @@ import pytest
 from hexwar_sb3.maps.hexmap import HexMap
 from hexwar_sb3.maps.terrain import Terrain
 from hexwar_sb3.rules import default_rules
+from hexwar_sb3.rules.enums import HopClass
 
-TABLES = ("cells", "los", "eta")
+TABLES = ("cells", "los")
 
 
 def tables(hexmap: HexMap) -> list[np.ndarray]:
@@ -39,7 +40,7 @@ def test_tables_are_filed_once_and_then_mapped(rough_board: Any, own_cache: Path
 
 @pytest.mark.usefixtures("own_cache")
 def test_tables_of_small_maps_are_not_filed(rough_board: Any, tmp_path: Path) -> None:
-    tables(rough_board(0))
+    tables(rough_board(0, 8, 9))
     assert list(tmp_path.iterdir()) == []
 
 
@@ -57,9 +58,9 @@ OTHER_CONTENTS: dict[str, Callable[[bytes], bytes]] = {
     "reversed": lambda old: old[:4096] + old[:4095:-1],
     "zeros": lambda old: old[:4096] + bytes(len(old) - 4096),
     "longer": lambda old: old + old[-16:],
-    "another shape": saved(np.zeros((2, 40, 40), np.uint8)),
-    "another type": saved(np.zeros((2, 50 * 50, 50 * 50), np.float32)),
-    "the right form": saved(np.zeros((2, 50 * 50, 50 * 50), np.uint8)),
+    "another shape": saved(np.zeros((3, 40, 40), np.uint8)),
+    "another type": saved(np.zeros((3, 50 * 50, 51, 7), np.float32)),
+    "the right form": saved(np.zeros((3, 50 * 50, 51, 7), np.uint8)),
     "objects": saved(np.array([{}, []], object)),
 }
 
@@ -90,7 +91,7 @@ def test_files_of_another_map_are_built_again(rough_board: Any, own_cache: Path)
 def test_tables_from_a_file_have_the_type_of_built_ones(rough_board: Any) -> None:
     """Kernels are compiled for a type of array, read-only and order included."""
     built, mapped = (tables(rough_board(0, 50, 50)) for _ in range(2))
-    small = tables(rough_board(0))
+    small = tables(rough_board(0, 8, 9))
     for three in zip(built, mapped, small, strict=True):
         assert len({str(numba.typeof(table)) for table in three}) == 1  # type: ignore[no-untyped-call]
 
@@ -145,4 +146,4 @@ def test_other_sizes_work(board: Any) -> None:
         terrain = Terrain(board(rows), default_rules())
         far = width * (height - 1)
         assert terrain.cells.size == width * height
-        assert terrain.eta[0, 0, far] == height - 1
+        assert terrain.times_to(HopClass.VEHICLE, 0)[far] == height - 1

@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
+import gc
 import heapq
-from typing import Any
+from concurrent.futures import ThreadPoolExecutor
+from typing import Any, cast
 
 import numpy as np
 import pytest
 
-from hexwar_sb3.maps.cells import NO_CELL, NO_HOP
+from hexwar_sb3.engine.world import load_world
+from hexwar_sb3.maps.cells import NO_CELL, NO_HOP, TravelTimes
 from hexwar_sb3.maps.geometry import E, W, mirror_cells
 from hexwar_sb3.maps.hexmap import HexMap
 from hexwar_sb3.maps.terrain import Terrain
-from hexwar_sb3.maps.travel import TOO_FAR
+from hexwar_sb3.maps.travel import TOO_FAR, no_times, row_of, row_to
 from hexwar_sb3.rules import default_rules
 from hexwar_sb3.rules.enums import HopClass
+from hexwar_sb3.rules.indices import CellIndex
 
 VEHICLE, SOLDIER = HopClass.VEHICLE, HopClass.SOLDIER
 BASE = {VEHICLE: 20, SOLDIER: 144}
@@ -96,12 +100,15 @@ def slow_times(terrain: Terrain, hop_class: HopClass, start: int) -> dict[int, i
     return best
 
 
-def check_from(terrain: Terrain, hop_class: HopClass, start: int) -> None:
-    best = slow_times(terrain, hop_class, start)
+def check_from(terrain: Terrain, hop_class: HopClass, start: int, every: int = 1) -> None:
+    """Times from a cell to all, and from all to it; the latter for one target in `every`."""
+    best, times = slow_times(terrain, hop_class, start), terrain.times_from(hop_class, start)
     for target in np.flatnonzero(terrain.hexmap.passable).tolist():
         ticks = best.get(target)
         units = TOO_FAR if ticks is None else min(ticks // BASE[hop_class], TOO_FAR)
-        assert terrain.eta[hop_class, target, start] == units, (start, target)
+        assert times[target] == units, (start, target)
+        if target % every == 0:
+            assert terrain.times_to(hop_class, target)[start] == units, (start, target)
 
 
 @pytest.mark.usefixtures("own_cache")
@@ -116,18 +123,20 @@ def test_times_on_a_rough_map_equal_a_plain_search(rough_board: Any, seed: int, 
 @pytest.mark.parametrize("hop_class", HopClass)
 def test_times_on_builtin_maps_equal_a_plain_search(terrain: Terrain, hop_class: HopClass) -> None:
     for start in np.random.default_rng(1).choice(np.flatnonzero(terrain.hexmap.passable), 3).tolist():
-        check_from(terrain, hop_class, start)
+        check_from(terrain, hop_class, start, every=7)
 
 
 def test_nothing_reaches_an_impassable_cell(terrain: Terrain) -> None:
-    barred = ~terrain.hexmap.passable.ravel()
-    assert (terrain.eta[:, barred] == TOO_FAR).all()
+    barred = np.flatnonzero(~terrain.hexmap.passable)
+    for hop_class in HopClass:
+        assert (terrain.times_to(hop_class, int(barred[0])) == TOO_FAR).all()
+        assert (terrain.times_from(hop_class, 34 * terrain.hexmap.width + 35)[barred] == TOO_FAR).all()
 
 
 def test_some_next_hop_always_lies_on_a_fastest_path(terrain: Terrain) -> None:
     """What the route planner relies on: hop time + rest = time, for every cell and some direction."""
     cells, target = terrain.cells, 34 * terrain.hexmap.width + 35
-    eta = terrain.eta[VEHICLE, target].astype(int)
+    eta = terrain.times_to(VEHICLE, target).astype(int)
     for cell in np.flatnonzero(eta < TOO_FAR).tolist():
         if cell == target:
             continue
@@ -138,8 +147,42 @@ def test_some_next_hop_always_lies_on_a_fastest_path(terrain: Terrain) -> None:
 
 def test_times_are_the_same_in_the_mirror(terrain: Terrain) -> None:
     mirror = mirror_cells(terrain.hexmap.width, terrain.hexmap.height)
-    for times in terrain.eta:
-        assert (times[np.ix_(mirror, mirror)] == times).all()
+    for hop_class in HopClass:
+        for cell in np.random.default_rng(0).choice(np.flatnonzero(terrain.hexmap.passable), 20).tolist():
+            there = terrain.times_to(hop_class, int(mirror[cell]))[mirror]
+            assert (terrain.times_to(hop_class, cell) == there).all()
+
+
+def test_kernels_ask_for_rows_and_the_oldest_goes_first(terrain: Terrain) -> None:
+    cells, rules = terrain.cells, terrain.rules
+    eta = no_times(cells.size)
+    few = cast("Any", np.asarray(eta)[:7].copy())  # three rows
+    rng = np.random.default_rng(0)
+    targets = rng.choice(np.flatnonzero(terrain.hexmap.passable), 5).tolist()
+    for target in [targets[k] for k in rng.integers(0, 5, 60)]:
+        for hop_class in HopClass:
+            times = terrain.times_to(hop_class, target)
+            for start in rng.choice(cells.size, 20).tolist():
+                assert few[row_to(hop_class, CellIndex(target), rules, cells, few), start] == times[start]
+            rows = [row_of(k, CellIndex(cell), few) for k in HopClass for cell in targets]
+            assert 1 <= len([row for row in rows if row > 0]) <= 3
+            assert max(rows) < 7
+            assert row_of(hop_class, CellIndex(target), few) > 0
+
+
+def test_threads_have_their_own_rows_and_leave_them_to_the_next() -> None:
+    world = load_world("plain")
+    mine = world.eta
+    assert world.eta is mine
+
+    def theirs() -> TravelTimes:
+        with ThreadPoolExecutor(1) as pool:
+            return pool.submit(lambda: world.eta).result()
+
+    one = theirs()
+    assert one is not mine
+    gc.collect()
+    assert theirs() is one
 
 
 def test_a_road_that_only_touches_the_way_gives_nothing(board: Any) -> None:

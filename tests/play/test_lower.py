@@ -200,8 +200,9 @@ def test_every_camp_has_its_own_network(world: World) -> None:
     assert not same(games, played_out(seated(world, Picker(other), Picker(one))))
 
 
-def bits(*pieces: int) -> NDArray[np.uint32]:
-    return np.array([sum(1 << i for i in pieces)], np.uint32)
+def led(*pieces: int) -> NDArray[np.bool_]:
+    """Some pieces of one game of 14 [1, P]."""
+    return np.isin(np.arange(14), pieces)[None]
 
 
 def two_seats(world: World, piece: int | None) -> Arena:
@@ -209,7 +210,7 @@ def two_seats(world: World, piece: int | None) -> Arena:
     arena = Arena(world, 1, Terms())
     arena.begin(0, game_seed(7, 0), None, make_player("nearest"))
     if piece is not None:
-        arena.lead_outside(ONE, bits(piece))
+        arena.lead_outside(ONE, led(piece))
     return arena
 
 
@@ -250,7 +251,7 @@ def test_the_loop_stops_exactly_where_a_piece_led_from_outside_asks(world: World
     while not arena.over(ONE)[0]:
         decide(arena)
         arena.advance(ONE)
-        if arena.drives.waiting[0]:
+        if arena.drives.waiting[0].any():
             tick = int(arena.state.games[0].tick)
             stops.append(tick)
             assert arena.waiting(0, Camp.RED).tolist() == [i]
@@ -269,7 +270,7 @@ def test_a_loop_that_waits_can_be_entered_again_and_restored(world: World) -> No
     pieces = range(7)
     arena, other = two_seats(world, None), two_seats(world, None)
     for one in (arena, other):
-        one.lead_outside(ONE, bits(*pieces))
+        one.lead_outside(ONE, led(*pieces))
     waits = 0
     while not arena.over(ONE)[0]:
         decide(arena)
@@ -300,11 +301,11 @@ def test_a_piece_that_is_let_go_is_led_by_its_camps_lower_level_again(world: Wor
     arena.advance(ONE)
     assert arena.waiting(0, Camp.RED).tolist() == [0]
 
-    arena.lead_outside(ONE, bits())
+    arena.lead_outside(ONE, led())
     while not arena.over(ONE)[0]:
         decide(arena)
         arena.advance(ONE)
-        assert arena.drives.waiting[0] == 0
+        assert not arena.drives.waiting[0].any()
 
     expected = two_seats(world, None)
     while not expected.over(ONE)[0]:

@@ -143,7 +143,7 @@ def scramble_unseen(board: Board, camp: int, rng: np.random.Generator) -> None:
     for j in range(N * (1 - camp), N * (1 - camp) + N):
         piece, seen = board.pieces[j], board.memory[camp, j].seen
         piece.ammo[:] = rng.integers(0, 9, 4)
-        piece.sees = rng.integers(0, 2**14)
+        piece.sees = rng.integers(0, 2**7)
         for timer in ("cool_ends", "mortar_ends", "keep_ends", "hide_ends"):
             piece[timer] = board.game.tick + rng.integers(1, 75)
         if not seen:

@@ -32,7 +32,6 @@ def mirror(board: Board) -> None:
     board.missions[:] = board.missions[SWAPPED]
     state.paths[:] = TURN[np.minimum(state.paths, 5)]
     state.pieces.camp[:] = 1 - state.pieces.camp
-    state.pieces.sees[:] = (state.pieces.sees >> N) | ((state.pieces.sees & (2**N - 1)) << N)
     for link in ("home", "carrier", "passenger", "board_partner"):
         swap_index(state.pieces[link])
     swap_index(board.missions["target"])
@@ -65,7 +64,7 @@ def mirror_game(game: Any, rounds: Any) -> None:
     rounds[:] = np.roll(rounds, rounds.shape[1] // 2, axis=1)  # red's chariots come first
     swap_index(rounds["owner"])
     rounds.camp[:] = 1 - rounds.camp
-    rounds.judged[:] = (rounds.judged >> N) | ((rounds.judged & (2**N - 1)) << N)
+    rounds.judged[:] = rounds.judged[..., ::-1].copy()
 
 
 def test_a_mirrored_position_has_the_same_sets_and_observations(middle: Callable[[int], Board]) -> None:

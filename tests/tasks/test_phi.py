@@ -219,6 +219,7 @@ def test_nobody_boards_in_close_combat(field: Board) -> None:
     field.land("soldier0")
     field.task("soldier0", K.BOARD, target=field.i("chariot0"))
     field.game.fight_cell[0] = field.pieces[field.i("soldier0")].cell
+    field.game.n_fights = 1
     assert order(field, "soldier0", 0) == Action.NULL
 
 

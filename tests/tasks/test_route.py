@@ -6,6 +6,7 @@ import heapq
 import os
 import subprocess
 import sys
+from functools import cache
 
 import numpy as np
 import pytest
@@ -13,13 +14,13 @@ from numpy.typing import NDArray
 
 from hexwar_sb3.engine.pieces import hop_from
 from hexwar_sb3.kernels import Rows
-from hexwar_sb3.maps.cells import NO_CELL
+from hexwar_sb3.maps.cells import NO_CELL, TravelTimes
 from hexwar_sb3.maps.files import map_from_document
 from hexwar_sb3.maps.geometry import NE, NW, SE, SW, E, W, mirror_cells
 from hexwar_sb3.maps.hexmap import HexMap
 from hexwar_sb3.maps.map_file import SYMBOLS
 from hexwar_sb3.maps.terrain import Terrain
-from hexwar_sb3.maps.travel import TOO_FAR
+from hexwar_sb3.maps.travel import TOO_FAR, no_times
 from hexwar_sb3.rules import default_rules
 from hexwar_sb3.rules.enums import Camp, HopClass, PieceType
 from hexwar_sb3.rules.indices import CellIndex
@@ -97,6 +98,11 @@ class View:
         return [self[f"neighbour {d}: {feature}"][0] for d in range(6)]
 
 
+@cache
+def times_of(terrain: Terrain) -> TravelTimes:
+    return no_times(terrain.cells.size)
+
+
 def observed(
     terrain: Terrain, kind: PieceType, cell: int, goal: int, *, camp: Camp = Camp.RED, ways: bool = True,
     task: TaskKind = TaskKind.HOLD,
@@ -112,7 +118,7 @@ def observed(
         ways,
         terrain.rules,
         terrain.cells,
-        terrain.eta,
+        times_of(terrain),
         states[0],
         masks[0],
     )
@@ -191,7 +197,7 @@ def test_a_direction_back_to_where_a_way_is_known_loses_nothing_and_stays_in_the
         rows.append(open_row if y % 2 == 0 else door)
     flat = "\n".join(" ".join("0" * len(row)) for row in rows)
     long = Terrain(make_map("\n".join(rows), flat), default_rules())
-    eta = long.eta[HopClass.VEHICLE, 0]
+    eta = long.times_to(HopClass.VEHICLE, 0)
     behind = [c for c in np.flatnonzero(long.cells.passable) if eta[c] == TOO_FAR]
     edge = next(
         c for c in behind if any(eta[n] == TOO_FAR - 1 for n in long.cells[c].neighbour if n != NO_CELL)
@@ -262,7 +268,7 @@ def test_what_is_far_or_steep_is_cut_off() -> None:
     cliff = Terrain(make_map("...\n..\n...", "0 20 0\n0 0\n0 0 0"), default_rules())
     assert View(cliff, SOLDIER, 0, 8)["neighbour 3: climb"] == [MOST]
     assert View(cliff, SOLDIER, 1, 8)["neighbour 3: climb"] == [-MOST]
-    assert not has_way(TANK, CellIndex(0), CellIndex(1), cliff.rules, cliff.cells, cliff.eta)
+    assert not has_way(TANK, CellIndex(0), CellIndex(1), cliff.rules, cliff.cells, times_of(cliff))
     assert View(cliff, TANK, 0, 1)["goal: way"] == [MOST]
 
 
@@ -336,7 +342,7 @@ def test_every_cell_with_a_way_has_a_direction_without_a_detour(board: Terrain) 
     """What makes the smallest detour a complete answer."""
     for kind in PieceType:
         for cell in np.flatnonzero(board.hexmap.passable).tolist():
-            if cell == GOAL or board.eta[int(kind == SOLDIER), GOAL, cell] == TOO_FAR:
+            if cell == GOAL or board.times_to(int(kind == SOLDIER), GOAL)[cell] == TOO_FAR:
                 continue
             view = View(board, kind, cell, GOAL)
             detours = [view[f"neighbour {d}: detour"][0] for d in range(6) if view.mask[1 + d]]

@@ -25,6 +25,7 @@ from hexwar_sb3.tasks.shots import (
     expected_value,
     median_loss,
     shot_value,
+    slot_bit,
 )
 
 if TYPE_CHECKING:
@@ -128,7 +129,11 @@ def test_a_shot_of_a_seen_target_is_valued_with_the_engines_level_and_modifiers(
         board = middle(seed)
         for i, j, weapon in product(piece_range(N), piece_range(N, 2 * N), Weapon):
             me, target = board.pieces[i], board.pieces[j]
-            if not (int(me.sees) >> j) & 1 or me.blood == 0 or board.rules.pool[me.kind, weapon] < 0:
+            if (
+                not (int(me.sees) >> int(board.pieces[j].slot)) & 1
+                or me.blood == 0
+                or board.rules.pool[me.kind, weapon] < 0
+            ):
                 continue
             level = attack_level(weapon, me, target, board.rules, board.cells)
             mods = shot_mods(me, target, board.pieces, board.rules, board.cells)
@@ -227,13 +232,13 @@ def test_best_guided_finds_the_pair_that_the_engine_accepts(field: Board) -> Non
     args = (NOTHING, field.game, field.pieces, field.memory, field.orders, field.rules, field.cells)
     i, j, c = field.i("soldier0"), field.i("blue:chariot0"), field.i("chariot0")
 
-    value, target, chariot = best_guided(i, NO_PIECE, 0, *args)
+    value, target, chariot = best_guided(i, NO_PIECE, np.uint64(0), *args)
 
     assert (target, chariot) == (j, c)
     order = field.orders[i]
     order.kind, order.target, order.partner = Action.GUIDE_SHOOT, target, chariot
     assert order_code(i, order, field.game, field.pieces, field.rules, field.cells) == Code.OK
     assert value == pytest.approx(value_of(field, "chariot0", j, Weapon.HEAVY))
-    assert best_guided(i, NO_PIECE, 1 << c, *args)[0] == 0.0
+    assert best_guided(i, NO_PIECE, slot_bit(field.pieces[c]), *args)[0] == 0.0
     field.orders[c].kind = Action.HIDE
-    assert best_guided(i, NO_PIECE, 0, *args)[0] == 0.0
+    assert best_guided(i, NO_PIECE, np.uint64(0), *args)[0] == 0.0

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from hexwar_sb3.engine.world import World, load_world
+from hexwar_sb3.maps.sightlines import in_sight
 from hexwar_sb3.viewer.map_block import map_block
 
 REACH = 25
@@ -38,7 +39,7 @@ def _seen(world: World, cell: int) -> Any:
     rows, here = world.cells, world.cells[cell]
     dq, dr = rows.q - here.q, rows.r - here.r
     near = (abs(dq) + abs(dr) + abs(dq + dr)) // 2 <= REACH
-    seen = np.unpackbits(world.los[:, cell], axis=-1, bitorder="little")[:, : rows.size].astype(bool)
+    seen = np.array([in_sight(world.los, airborne, cell, rows) for airborne in range(3)])
     seen[:, cell] = True
     return seen & near & (rows.playable == 1)
 

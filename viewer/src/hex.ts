@@ -67,15 +67,25 @@ export function extent(map: HexMap): Point {
   return { x: map.width, y: (map.height + 1 / 3) * ROW };
 }
 
-export function cellName(map: HexMap, cell: number): string {
-  const y = Math.floor(cell / map.width);
-  return String((cell % map.width) + 1).padStart(2, "0") + String(y + 1).padStart(2, "0");
+/** Digits of the column, and of the row, in the names of a map's cells. */
+export function nameDigits(map: HexMap): number {
+  return Math.max(map.width, map.height) < 100 ? 2 : 3;
 }
 
+export function cellName(map: HexMap, cell: number): string {
+  const y = Math.floor(cell / map.width);
+  const digits = nameDigits(map);
+  return String((cell % map.width) + 1).padStart(digits, "0") + String(y + 1).padStart(digits, "0");
+}
+
+/** Whether a word may be the name of a cell on some map. */
+export const isCellName = (word: string): boolean => /^([0-9]{4}|[0-9]{6})$/.test(word);
+
 export function parseCell(map: HexMap, name: string): number {
-  if (!/^[0-9]{4}$/.test(name)) return -1;
-  const x = Number(name.slice(0, 2)) - 1;
-  const y = Number(name.slice(2)) - 1;
+  const digits = nameDigits(map);
+  if (!isCellName(name) || name.length !== 2 * digits) return -1;
+  const x = Number(name.slice(0, digits)) - 1;
+  const y = Number(name.slice(digits)) - 1;
   const cell = y * map.width + x;
   return x >= 0 && y >= 0 && x < map.width && onMap(map, cell) ? cell : -1;
 }

@@ -1,7 +1,7 @@
 // The panel of the policy: what the picked piece could do, and what its player thought of it.
 
 import { badge, facts, make } from "./dom";
-import { parseCell } from "./hex";
+import { isCellName, parseCell } from "./hex";
 import { signed, spoken } from "./log";
 import type { Scene } from "./scene";
 import type { Game, Piece } from "./state";
@@ -40,7 +40,7 @@ export function mindsOf(game: Game, piece: Piece | null): number[] {
 
 /** The cell that a task's text names, -1 where it names none. */
 export function taskCell(game: Game, text: string): number {
-  const name = text.split(" ").find((word) => /^[0-9]{4}$/.test(word));
+  const name = text.split(" ").find(isCellName);
   if (name) return parseCell(game.map, name);
   const target = text.split(" ").find((word) => word.includes(":"));
   const piece = target ? game.byName(target) : undefined;

@@ -1,6 +1,6 @@
 // Orders as texts: what they are called, where they lead, and what a piece has planned.
 
-import { type HexMap, neighbour, parseCell } from "../hex";
+import { type HexMap, isCellName, neighbour, parseCell } from "../hex";
 
 const DIRECTIONS = ["W", "SW", "SE", "E", "NE", "NW"];
 const SAYS: Record<string, string> = {
@@ -61,7 +61,7 @@ export function endOf(map: HexMap, here: number, order: string | undefined, step
 /** What was typed, as a step: a move to one cell is a way there. */
 export function stepOf(text: string): string {
   const { piece, verb, words } = readOrder(text);
-  const far = verb.toLowerCase() === "move" && words.length === 1 && /^[0-9]{4}$/.test(words[0]);
+  const far = verb.toLowerCase() === "move" && words.length === 1 && isCellName(words[0]);
   return far ? `${piece} go ${words[0]}` : [piece, verb.toLowerCase(), ...words].join(" ");
 }
 

@@ -88,7 +88,7 @@ export class Session {
   /** Where that happened for which the clock stopped; -1: nowhere, or it did not. */
   get stoppedAt(): number {
     const text = this.stopped ?? "";
-    const cell = parseCell(this.map, /\b[0-9]{4}\b/.exec(text)?.[0] ?? "");
+    const cell = parseCell(this.map, /\b([0-9]{4}|[0-9]{6})\b/.exec(text)?.[0] ?? "");
     if (cell >= 0) return cell;
     const piece = this.game.pieces.find((one) => one.camp === this.camp && text.startsWith(`${one.short} `));
     return piece ? this.game.shown(piece, this.tick).cell : -1;
