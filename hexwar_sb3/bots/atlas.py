@@ -112,6 +112,9 @@ def rate_posts(
 
     ways: base hops of a vehicle from home to each cell [NC].
     """
+    width, height = int(cells[cells.size - 1].x) + 1, int(cells[cells.size - 1].y) + 1
+    left, right = max(0, cells[point].x - VIEW_CELLS - 1), min(width, cells[point].x + VIEW_CELLS + 2)
+    top, bottom = max(0, cells[point].y - VIEW_CELLS), min(height, cells[point].y + VIEW_CELLS + 1)
     for cell in cell_range(cells.size):
         apart = cells_apart(cells, cell, point)
         way = ways[cell]
@@ -120,9 +123,11 @@ def rate_posts(
         if not line_of_sight(los, 0, cell, point, cells):
             continue
         seen = 0
-        for near in cell_range(cells.size):
-            if cells_apart(cells, near, point) <= VIEW_CELLS and line_of_sight(los, 0, cell, near, cells):
-                seen += 1
+        for y in range(top, bottom):
+            for x in range(left, right):
+                near = CellIndex(y * width + x)
+                if cells_apart(cells, near, point) <= VIEW_CELLS and line_of_sight(los, 0, cell, near, cells):
+                    seen += 1
         score = 0.1 * seen - 0.1 * way
         if cells[cell].concealed:
             score += 4.0

@@ -138,7 +138,7 @@ class FlatGames(TaskGames):
                 snapshot[name][b] = row
         return snapshot
 
-    def restore(self, snapshot: Snapshot, waiting: NDArray[np.uint32] | None = None) -> Obs:
+    def restore(self, snapshot: Snapshot, waiting: NDArray[np.bool_] | None = None) -> Obs:
         """Go on where `snapshot` was taken, as `TaskGames.restore`."""
         obs = super().restore(snapshot, waiting)
         self._name_turns(self.all[self.demos])

@@ -16,7 +16,7 @@ from hexwar_sb3.rules.enums import HopClass, PieceType
 from hexwar_sb3.rules.indices import CellIndex, cell_range
 
 TOO_FAR = 255  # base hops: unreachable, or more than 254
-MOST_BYTES, LEAST_ROWS = 48_000_000, 256  # of the rows that are kept
+MOST_BYTES, LEAST_ROWS = 256_000_000, 256  # of the rows that are kept; memory is taken as they are filled
 _HEAD, _TAIL = 2 * len(HopClass), 4  # rows before them; bytes behind each
 _MOST_ROWS = 65_535 - _HEAD  # a row's number has two bytes
 

@@ -43,7 +43,8 @@ class Terms:
     scenario: ScenarioLike = "plain"  # name, file or object
     decision_ticks: int = DECISION_TICKS  # Delta-t, ticks between two decisions of a policy
     decisions: str = "fixed"  # "event": also after an own loss or an ended task
-    spots: int = SPOTS  # k of G^L(k): cells that tasks lead to beside the control points
+    # k of G^L(k): cells that tasks lead to beside the control points; of the usual ones as many as there is room for
+    spots: int = SPOTS
     fog: bool = True  # False: lights on, for debugging
 
     def __post_init__(self) -> None:

@@ -61,7 +61,7 @@ def load_spots(world: World, k: int = SPOTS, path: str | Path | None = None) -> 
 
     Args:
         world: of the scenario.
-        k: spots beside the control points.
+        k: spots beside the control points; of the usual ones as many as there is room for in a task set.
         path: a file of this map; None: the shipped one, or the static rule where there is none, it is
             of another map or an older schema, or it has fewer than k cells.
 
@@ -70,6 +70,7 @@ def load_spots(world: World, k: int = SPOTS, path: str | Path | None = None) -> 
         FileFormatError: the file cannot be used, or the one named by `path` is of another map.
     """
     check_spots(world, k)
+    k = min(k, max_spots(world))
     points = [point.cell for point in world.scenario.points]
     spots = _shipped(world) if path is None else _named(world, k, Path(path))
     if spots is None or min(len(camp.cells) for camp in spots.camps) < k:
@@ -88,10 +89,11 @@ def check_spots(world: World, k: int) -> None:
     Raises:
         ConfigError: it is out of range.
     """
-    if not 0 <= k <= max_spots(world):
+    most = max(SPOTS, max_spots(world))
+    if not 0 <= k <= most:
         n_points = len(world.scenario.points)
         why = f"a task set has {MAX_TASKS} rows, and the scenario {n_points} control points"
-        raise ConfigError(f"k must be in 0..{max_spots(world)}, got {k}: {why}")
+        raise ConfigError(f"k must be in 0..{most}, got {k}: {why}")
 
 
 def static_spots(world: World, camp: int, k: int) -> list[int]:

@@ -24,7 +24,6 @@ from hexwar_sb3.players.terms import Terms
 from hexwar_sb3.rules.enums import Camp, PieceType
 
 SIDE = 250  # cells
-SPOTS = 3  # beside the control points, as a task set has 40 rows
 LINE_UP = 6 * (PieceType.TANK, PieceType.CHARIOT, PieceType.AEROCRAFT)
 
 
@@ -35,7 +34,7 @@ def large(n: int = MAX_SIDE_PIECES, apart: int = 20) -> Scenario:
     flat = {name: np.zeros((SIDE, SIDE), np.bool_) for name in LAYERS}
     places = [(SIDE // 2 - n // 2 + 2 * k, SIDE // 2) for k in range(MAX_CONTROL_POINTS)]
     flat["controllable"][tuple(zip(*places, strict=True))] = True
-    layers = {**flat, "passable": playable}
+    layers: dict[str, Any] = {**flat, "passable": playable}
     hexmap = HexMap(name="flat", grade_m=10, elev_m=np.zeros((SIDE, SIDE), np.int16), **layers)
     middle, top = SIDE // 2, SIDE // 2 - n // 2
     kinds = [LINE_UP[k % len(LINE_UP)] for k in range(n)]
@@ -57,7 +56,7 @@ def large(n: int = MAX_SIDE_PIECES, apart: int = 20) -> Scenario:
 
 @pytest.fixture(scope="module")
 def replay() -> Replay:
-    return record_game("MA1", "MA2", Terms(scenario=large(), spots=SPOTS), seed=3)
+    return record_game("MA1", "MA2", Terms(scenario=large()), seed=3)
 
 
 def test_the_largest_game_is_a_real_one(replay: Replay) -> None:
@@ -85,7 +84,7 @@ def test_all_128_pieces_see_and_are_seen() -> None:
 
 
 def test_what_is_seen_is_renewed_as_it_changes() -> None:
-    arena = Arena(load_world(large()), 1, Terms(scenario=large(), spots=SPOTS))
+    arena = Arena(load_world(large()), 1, Terms(scenario=large()))
     arena.begin(0, 5, make_player("MA1"), make_player("MA2"))
     arena.advance(np.arange(1))
     pieces, found = arena.state.pieces[0], arena.state.pieces[0].sees.copy()
@@ -94,7 +93,7 @@ def test_what_is_seen_is_renewed_as_it_changes() -> None:
 
 
 def test_a_learner_sees_and_acts_in_it() -> None:
-    env = make_vec_env(n_envs=2, scenario=large(20), opponent="MA1", spots=SPOTS, seed=1)
+    env = make_vec_env(n_envs=2, scenario=large(20), opponent="MA1", seed=1)
     obs: Any = env.reset()
     assert obs["obs"].shape[:2] == (2, 20)
     for _ in range(3):
