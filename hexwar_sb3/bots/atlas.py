@@ -112,7 +112,8 @@ def rate_posts(
 
     ways: base hops of a vehicle from home to each cell [NC].
     """
-    width, height = int(cells[cells.size - 1].x) + 1, int(cells[cells.size - 1].y) + 1
+    last = cells[CellIndex(cells.size - 1)]
+    width, height = int(last.x) + 1, int(last.y) + 1
     left, right = max(0, cells[point].x - VIEW_CELLS - 1), min(width, cells[point].x + VIEW_CELLS + 2)
     top, bottom = max(0, cells[point].y - VIEW_CELLS), min(height, cells[point].y + VIEW_CELLS + 1)
     for cell in cell_range(cells.size):
