@@ -1,3 +1,4 @@
+from .cooperative import as_parallel as as_parallel
 from .flat_env import FlatEnv as FlatEnv
 from .joint_action import JointActionEnv as JointActionEnv
 from .parallel import parallel_env as parallel_env

@@ -1,4 +1,4 @@
-"""Any cooperative PettingZoo parallel env as one env with joint actions, which QMIX takes unchanged."""
+"""Any cooperative game as one env with joint actions, which QMIX takes unchanged."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from pettingzoo import ParallelEnv
 
 from hexwar_sb3.checks import check_choice
+from hexwar_sb3.envs.cooperative import as_parallel
 from hexwar_sb3.errors import ConfigError, shortened
 from hexwar_sb3.players.fit import check_actions
 
@@ -28,29 +29,28 @@ class JointActionEnv(gymnasium.Env[Obs, NDArray[np.int64]]):
     ignored; what it saw last stays, or is 0.
 
     Args:
-        env: with Discrete actions, and observations that are one array, or a Dict of one and its mask.
+        env: a PettingZoo env, parallel or AEC; a Gymnasium env with a Tuple of actions and of observations; or a game as
+            SMAC has them (`as_parallel`). With Discrete actions, and observations that are one array, or a Dict of one and
+            its mask.
         team_reward: "mean" of the agents' rewards (for envs that give the team's reward to each), or "sum".
         privileged_state: add env.state(), where it has one, for the mixer.
 
     Raises:
-        ConfigError: not a ParallelEnv, or an agent's actions or observations are of another kind.
+        ConfigError: none of these, or an agent's actions or observations are of another kind.
     """
 
-    def __init__(
-        self, env: ParallelEnv[Any, Any, Any], team_reward: str = "mean", privileged_state: bool = True
-    ) -> None:
+    def __init__(self, env: object, team_reward: str = "mean", privileged_state: bool = True) -> None:
         check_choice("team_reward", team_reward, TEAM_REWARDS)
-        if not isinstance(env, ParallelEnv):
-            raise ConfigError(f"JointActionEnv takes a PettingZoo ParallelEnv, got {type(env).__name__}")
-        self.env, self._sum = env, team_reward == "sum"
-        self.names = list(getattr(env, "possible_agents", ()))
+        self.env, self._sum = as_parallel(env), team_reward == "sum"
+        self.names = list(getattr(self.env, "possible_agents", ()))
         if not self.names:
             raise ConfigError("JointActionEnv needs an env that names its possible_agents beforehand")
-        self.actions = {name: _discrete(env.action_space(name)) for name in self.names}
+        self.actions = {name: _discrete(self.env.action_space(name)) for name in self.names}
         self._widths = {
-            name: _width(name, env.observation_space(name), int(self.actions[name].n)) for name in self.names
+            name: _width(name, self.env.observation_space(name), int(self.actions[name].n))
+            for name in self.names
         }
-        self._state_shape = _state_shape(env) if privileged_state else None
+        self._state_shape = _state_shape(self.env) if privileged_state else None
         self._observed: dict[Any, Any] = {}
         n, k = len(self.names), max(int(space.n) for space in self.actions.values())
         self._rows = np.broadcast_to(np.eye(k, dtype=np.float32), (n, k, k))

@@ -11,14 +11,12 @@ import sys
 from importlib import import_module
 from pathlib import Path
 from time import process_time
-from typing import Any, ClassVar, TypeAlias, cast
+from typing import Any, cast
 
 import gymnasium
 import numpy as np
 import torch
-from gymnasium import spaces
 from numpy.typing import NDArray
-from pettingzoo import ParallelEnv
 from stable_baselines3.common.vec_env import DummyVecEnv, VecMonitor
 
 from hexwar_sb3.algorithms.qmix import QMIX
@@ -45,12 +43,19 @@ SETTINGS: dict[str, Any] = {
 }
 """Arguments of `QMIX`; what is not named is its default."""
 
-Features: TypeAlias = NDArray[np.float32]
-Infos: TypeAlias = dict[str, dict[str, Any]]
+
+class OutOfTime(gymnasium.Wrapper[Any, Any, Any, Any]):
+    """A foraging env of lbforaging says of any episode that it ended; one that is out of time is truncated."""
+
+    def step(self, action: Any) -> tuple[Any, Any, bool, bool, dict[str, Any]]:
+        """Let all players act."""
+        seen, rewards, over, _, info = self.env.step(action)
+        cut = bool(over and cast("Any", self.env.unwrapped).field.any())
+        return seen, rewards, bool(over and not cut), cut, info
 
 
-class ForagingGame(ParallelEnv[str, Features, int]):  # type: ignore[misc]  # PettingZoo ships no types
-    """A foraging env of lbforaging as a PettingZoo parallel env; an episode that runs out of time is truncated.
+def make_game(game: str = GAME) -> JointActionEnv:
+    """Make a foraging game; the team's reward is the sum of its players'.
 
     Args:
         game: Gymnasium's id.
@@ -58,58 +63,17 @@ class ForagingGame(ParallelEnv[str, Features, int]):  # type: ignore[misc]  # Pe
     Raises:
         ConfigError: lbforaging is not installed.
     """
-
-    metadata: ClassVar[dict[str, Any]] = {"name": "foraging", "render_modes": []}
-
-    def __init__(self, game: str = GAME) -> None:
-        try:
-            import_module("lbforaging")  # registers the ids
-        except ImportError as error:
-            raise ConfigError("this needs lbforaging: pip install lbforaging") from error
-        self.game = cast("Any", gymnasium.make(game, disable_env_checker=True).unwrapped)
-        self.possible_agents = [f"player{k}" for k in range(len(self.game.players))]
-        self.agents: list[str] = []
-
-    def observation_space(self, agent: str) -> spaces.Box:
-        """What a player sees."""
-        return cast("spaces.Box", self.game.observation_space[self.possible_agents.index(agent)])
-
-    def action_space(self, agent: str) -> spaces.Discrete:
-        """Stay, four directions, load."""
-        return cast("spaces.Discrete", self.game.action_space[self.possible_agents.index(agent)])
-
-    def reset(
-        self, seed: int | None = None, options: dict[str, Any] | None = None
-    ) -> tuple[dict[str, Features], Infos]:
-        """Start an episode."""
-        self.agents = list(self.possible_agents)
-        seen, _ = self.game.reset(seed=seed)
-        return self._named(seen), {name: {} for name in self.agents}
-
-    def step(
-        self, actions: dict[str, int]
-    ) -> tuple[dict[str, Features], dict[str, float], dict[str, bool], dict[str, bool], Infos]:
-        """Let all players act."""
-        acted = self.agents
-        seen, rewards, over, _, _ = self.game.step([actions[name] for name in acted])
-        ended, cut = bool(over and not self.game.field.any()), bool(over and self.game.field.any())
-        self.agents = [] if over else acted
-        names = self.possible_agents
-        return (
-            self._named(seen),
-            dict(zip(names, map(float, rewards), strict=True)),
-            dict.fromkeys(names, ended),
-            dict.fromkeys(names, cut),
-            {name: {} for name in names},
-        )
-
-    def _named(self, seen: tuple[Features, ...]) -> dict[str, Features]:
-        return dict(zip(self.possible_agents, seen, strict=True))
+    try:
+        import_module("lbforaging")  # registers the ids
+    except ImportError as error:
+        raise ConfigError("this needs lbforaging: pip install lbforaging") from error
+    env: Any = gymnasium.make(game, disable_env_checker=True).unwrapped
+    return JointActionEnv(OutOfTime(env), team_reward="sum")
 
 
 def make_games(game: str, n_envs: int, seed: int) -> VecMonitor:
-    """Make some games side by side; the team's reward is the sum of its players'."""
-    venv = DummyVecEnv([lambda: JointActionEnv(ForagingGame(game), team_reward="sum")] * n_envs)
+    """Make some games side by side."""
+    venv = DummyVecEnv([lambda: make_game(game)] * n_envs)
     venv.seed(seed)
     return VecMonitor(venv)
 
@@ -137,7 +101,7 @@ def train(game: str, steps: int, seed: int, n_envs: int = 8) -> dict[str, Any]:
 
 def greedy_returns(model: QMIX, game: str) -> NDArray[np.float64]:
     """Return of each of GREEDY_GAMES greedy episodes."""
-    env = JointActionEnv(ForagingGame(game), team_reward="sum")
+    env = make_game(game)
     returns = np.zeros(GREEDY_GAMES)
     for k in range(GREEDY_GAMES):
         obs, _ = env.reset(seed=GREEDY_SEED + k)

@@ -1,4 +1,4 @@
-"""Level-based foraging through PettingZoo; a stand-in takes the place of lbforaging, which is no dependency."""
+"""Level-based foraging; a stand-in takes the place of lbforaging, which is no dependency."""
 
 from __future__ import annotations
 
@@ -11,9 +11,8 @@ import numpy as np
 import pytest
 from gymnasium import spaces
 
-from hexwar_sb3.envs.joint_action import JointActionEnv
 from hexwar_sb3.errors import ConfigError
-from hexwar_sb3.experiments.foraging import ForagingGame, train
+from hexwar_sb3.experiments.foraging import make_game, train
 
 GAME = "StandIn-v0"
 
@@ -51,29 +50,13 @@ def stand_in(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_an_episode_out_of_time_is_cut_short_and_an_eaten_field_ends_it() -> None:
-    game = ForagingGame(GAME)
-    game.reset(seed=0)
-    for _ in range(2):
-        _, _, ended, cut, _ = game.step(dict.fromkeys(game.agents, 0))
-        assert not any(ended.values())
-        assert not any(cut.values())
-    _, _, ended, cut, _ = game.step(dict.fromkeys(game.agents, 0))
-    assert all(cut.values())
-    assert not any(ended.values())
-    assert game.agents == []
-
-    game.reset()
-    _, rewards, ended, cut, _ = game.step(dict.fromkeys(game.agents, 5))
-    assert all(ended.values())
-    assert not any(cut.values())
-    assert rewards == {"player0": 0.5, "player1": 0.5}
-
-
-def test_the_team_gets_the_sum_of_its_players_rewards() -> None:
-    env = JointActionEnv(ForagingGame(GAME), team_reward="sum")
+    env = make_game(GAME)
     env.reset(seed=0)
+    ends = [env.step(np.array([0, 0]))[2:4] for _ in range(3)]
+    assert ends == [(False, False), (False, False), (False, True)]
 
-    assert env.step(np.array([5, 5]))[1] == 1.0
+    env.reset()
+    assert env.step(np.array([5, 5]))[1:4] == (1.0, True, False)  # the sum of both players' rewards
 
 
 def test_a_training_gives_its_figures() -> None:
@@ -88,4 +71,4 @@ def test_without_lbforaging_it_says_what_to_install(monkeypatch: pytest.MonkeyPa
     monkeypatch.setitem(sys.modules, "lbforaging", None)
 
     with pytest.raises(ConfigError, match="pip install lbforaging"):
-        ForagingGame(GAME)
+        make_game(GAME)
