@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from abc import abstractmethod
+from typing import ClassVar
 
 import torch
 from jaxtyping import Float, Int
@@ -32,8 +33,31 @@ class TaskNetwork(nn.Module):
         sets = pack(obs, tasks, mask)
         return sets.spread(self.q_values(sets), torch.finfo(obs.dtype).min).reshape(mask.shape)
 
+    remembers: ClassVar[bool] = False
+
+    def own(
+        self, sets: TaskSets, memory: Float[Tensor, "piece hidden"] | None = None
+    ) -> Float[Tensor, "piece hidden"]:
+        """What is computed of each piece alone; of a network that `remembers`, its memory after this situation.
+
+        Args:
+            sets: of some pieces.
+            memory: before it; None where a game begins.
+        """
+        return torch.relu(self.piece(sets.obs))
+
+    def own_in_turn(self, sets: TaskSets, steps: int, n_pieces: int) -> Float[Tensor, "piece hidden"]:
+        """The same over runs of situations, each with the memory of those before it.
+
+        Args:
+            sets: of all pieces, run by run and step by step [runs * steps * N].
+            steps: situations of a run.
+            n_pieces: of a game, N.
+        """
+        return self.own(sets)
+
     @abstractmethod
-    def encode(self, sets: TaskSets) -> tuple[Tensor, ...]:
+    def encode(self, sets: TaskSets, own: Float[Tensor, "piece hidden"]) -> tuple[Tensor, ...]:
         """All that is computed of task sets before it is known which task is asked for."""
 
     @abstractmethod
@@ -47,8 +71,8 @@ class TaskNetwork(nn.Module):
         """Q of every valid task, from what `encode` gave."""
 
     def q_values(self, sets: TaskSets) -> Float[Tensor, " row"]:
-        """Q of every valid task."""
-        return self.values(self.encode(sets), sets)
+        """Q of every valid task, without a memory."""
+        return self.values(self.encode(sets, self.own(sets)), sets)
 
 
 class AgentNetwork(TaskNetwork):
@@ -69,13 +93,14 @@ class AgentNetwork(TaskNetwork):
         self.context_task = nn.Linear(embed, hidden, bias=False)  # L_k
         self.value = nn.Linear(hidden, 1)  # w
 
-    def encode(self, sets: TaskSets) -> tuple[Float[Tensor, "row embed"], Float[Tensor, "piece hidden"]]:
+    def encode(
+        self, sets: TaskSets, own: Float[Tensor, "piece hidden"]
+    ) -> tuple[Float[Tensor, "row embed"], Float[Tensor, "piece hidden"]]:
         """Embed every task (h), and every piece with its whole task set (c)."""
-        x = torch.relu(self.piece(sets.obs))
-        h = self.embed_task(sets.tasks).add_(self.embed_piece(x).index_select(0, sets.piece)).relu_()
+        h = self.embed_task(sets.tasks).add_(self.embed_piece(own).index_select(0, sets.piece)).relu_()
         h = self.embed(h).relu_()
         z = h.new_zeros(sets.n_pieces, h.shape[1]).index_add(0, sets.piece, h) / sets.sizes  # h_Sigma
-        return h, self.context_piece(x) + self.context_set(z)
+        return h, self.context_piece(own) + self.context_set(z)
 
     def values(self, encoded: tuple[Tensor, ...], sets: TaskSets) -> Float[Tensor, " row"]:
         """Q of every valid task."""
@@ -96,6 +121,34 @@ class AgentNetwork(TaskNetwork):
         return self.value(self.context_task(h).add_(c).relu_()).squeeze(1)
 
 
+class MemoryAgentNetwork(AgentNetwork):
+    """An agent network whose pieces remember: a GRU cell stands behind the layer that reads their own features."""
+
+    remembers = True
+
+    def __init__(self, obs_dim: int, task_dim: int, hidden: int = 64, embed: int = 32) -> None:
+        super().__init__(obs_dim, task_dim, hidden, embed)
+        self.cell = nn.GRUCell(hidden, hidden)
+
+    def own(
+        self, sets: TaskSets, memory: Float[Tensor, "piece hidden"] | None = None
+    ) -> Float[Tensor, "piece hidden"]:
+        """Memory of each piece after this situation."""
+        after: Tensor = self.cell(super().own(sets), memory)
+        return after
+
+    def own_in_turn(self, sets: TaskSets, steps: int, n_pieces: int) -> Float[Tensor, "piece hidden"]:
+        """The same over runs of situations; the memory of a run is empty where it begins."""
+        seen = super().own(sets)
+        runs = seen.view(-1, steps, n_pieces, seen.shape[1]).transpose(0, 1).flatten(1, 2)
+        memory, found = None, []
+        for now in runs:
+            memory = self.cell(now, memory)
+            found.append(memory)
+        after = torch.stack(found).view(steps, -1, n_pieces, seen.shape[1])
+        return after.transpose(0, 1).reshape_as(seen)
+
+
 class LiteralAgentNetwork(TaskNetwork):
     """Fig. 4(b) to the letter: layers over concatenations, every row of every task set computed.
 
@@ -110,20 +163,20 @@ class LiteralAgentNetwork(TaskNetwork):
         self.context = nn.Linear(hidden + embed + embed, hidden)
         self.value = nn.Linear(hidden, 1)
 
-    def q_table(self, sets: TaskSets) -> Float[Tensor, "piece task"]:
+    def q_table(self, sets: TaskSets, own: Float[Tensor, "piece hidden"]) -> Float[Tensor, "piece task"]:
         """Q of every row of every task set."""
         valid = sets.spread(torch.ones_like(sets.tasks[:, 0]), 0.0).unsqueeze(2)
         tasks = sets.tasks.new_zeros(sets.n_pieces, sets.n_tasks, sets.tasks.shape[1])
         tasks[sets.piece, sets.task] = sets.tasks
-        x = torch.relu(self.piece(sets.obs)).unsqueeze(1).expand(-1, sets.n_tasks, -1)
+        x = own.unsqueeze(1).expand(-1, sets.n_tasks, -1)
         h = torch.relu(self.embed_first(torch.cat([tasks, x], dim=2)))
         h = torch.relu(self.embed(h))
         z = ((h * valid).sum(dim=1) / sets.sizes).unsqueeze(1).expand(-1, sets.n_tasks, -1)
         return self.value(torch.relu(self.context(torch.cat([x, z, h], dim=2)))).squeeze(2)
 
-    def encode(self, sets: TaskSets) -> tuple[Tensor, ...]:
+    def encode(self, sets: TaskSets, own: Float[Tensor, "piece hidden"]) -> tuple[Tensor, ...]:
         """Q of all rows: nothing is left out."""
-        return (self.q_table(sets),)
+        return (self.q_table(sets, own),)
 
     def values(self, encoded: tuple[Tensor, ...], sets: TaskSets) -> Float[Tensor, " row"]:
         """Q of every valid task."""
@@ -140,3 +193,4 @@ NETWORKS: dict[str, type[AgentNetwork | LiteralAgentNetwork]] = {
     "additive": AgentNetwork,
     "literal": LiteralAgentNetwork,
 }
+MEMORIES: dict[str, type[AgentNetwork]] = {"gru": MemoryAgentNetwork}

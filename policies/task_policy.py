@@ -15,7 +15,7 @@ from torch import Tensor
 from hexwar_sb3.errors import ConfigError, UnknownNameError
 from hexwar_sb3.players.frozen import FrozenPolicy
 from hexwar_sb3.players.frozen_lower import HEURISTIC_LOWER, Lower
-from hexwar_sb3.policies.agent import NETWORKS, AgentNetwork, TaskNetwork
+from hexwar_sb3.policies.agent import MEMORIES, NETWORKS, AgentNetwork, TaskNetwork
 from hexwar_sb3.policies.mirrored import columns_of_the_camp, leave_out
 from hexwar_sb3.policies.mixers import Mixer, mixer_of
 from hexwar_sb3.policies.shapes import TaskShapes
@@ -40,6 +40,7 @@ class TaskPolicy(TrustedFiles, BasePolicy):
         mixer_kwargs: further arguments of the mixer.
         state_dim: size of the mixer's state; None reads it from the observation space.
         network: "additive", or "literal" for layers over concatenations (the same functions, slower).
+        memory: "gru": pieces remember what they saw in a game; None: they see the present alone.
         hidden: width of the agent network.
         embed: width of a task's embedding.
         mirrored: the networks do not see which camp they play; for maps that are their own mirror images.
@@ -57,6 +58,7 @@ class TaskPolicy(TrustedFiles, BasePolicy):
         mixer_kwargs: dict[str, Any] | None = None,
         state_dim: int | None = None,
         network: str = "additive",
+        memory: str | None = None,
         hidden: int = 64,
         embed: int = 32,
         mirrored: bool = False,
@@ -73,7 +75,8 @@ class TaskPolicy(TrustedFiles, BasePolicy):
         self.shapes = TaskShapes.of(observation_space, action_space)
         self.sizes = {"hidden": hidden, "embed": embed}
         self.mixer_name, self.mixer_kwargs = mixer, mixer_kwargs or {}
-        self.network, self.state_dim = network, state_dim or self.shapes.state_dim
+        self.network, self.memory = network, memory
+        self.state_dim = state_dim or self.shapes.state_dim
         self.agent, self.agent_target = self._make_agent(), self._make_agent()
         self.agent_mean = self._make_agent()  # over the last updates: what is evaluated and shared
         self.mixer, self.mixer_target = self._make_mixer(), self._make_mixer()
@@ -102,7 +105,10 @@ class TaskPolicy(TrustedFiles, BasePolicy):
     def _make_agent(self) -> TaskNetwork:
         if self.network not in NETWORKS:
             raise UnknownNameError("network", self.network, NETWORKS)
-        return NETWORKS[self.network](self.shapes.obs_dim, self.shapes.task_dim, **self.sizes)
+        if self.memory is not None and self.memory not in MEMORIES:
+            raise UnknownNameError("memory", self.memory, MEMORIES)
+        kind = NETWORKS[self.network] if self.memory is None else MEMORIES[self.memory]
+        return kind(self.shapes.obs_dim, self.shapes.task_dim, **self.sizes)
 
     def settle(self) -> None:
         """Let target and mean of the agent network be as it is now."""
@@ -121,10 +127,24 @@ class TaskPolicy(TrustedFiles, BasePolicy):
 
     def greedy(self, observation: Observation, agent: TaskNetwork | None = None) -> np.ndarray:
         """Best valid task of every piece in a batch of games [B, N], by the agent network as it is, or by another."""
-        with torch.no_grad():
-            sets = pack_observation(observation, self.device)
-            best = sets.best((agent or self.agent).q_values(sets))
-        return best.cpu().numpy().reshape(-1, self.shapes.n_pieces)
+        return self.act(observation, None, agent)[0]
+
+    @torch.no_grad()
+    def act(
+        self, observation: Observation, memory: Tensor | None, agent: TaskNetwork | None = None
+    ) -> tuple[np.ndarray, Tensor | None]:
+        """Best valid tasks of a batch of games, and what the pieces remember after them.
+
+        Args:
+            observation: of the games.
+            memory: of all their pieces [B * N, hidden]; None where games begin, or pieces do not remember.
+            agent: network that plays; None: the agent network as it is.
+        """
+        agent = agent or self.agent
+        sets = pack_observation(observation, self.device)
+        own = agent.own(sets, memory)
+        best = sets.best(agent.values(agent.encode(sets, own), sets))
+        return best.cpu().numpy().reshape(-1, self.shapes.n_pieces), own if agent.remembers else None
 
     def predict(
         self,
@@ -133,15 +153,37 @@ class TaskPolicy(TrustedFiles, BasePolicy):
         episode_start: np.ndarray | None = None,
         deterministic: bool = True,
     ) -> tuple[np.ndarray, tuple[np.ndarray, ...] | None]:
-        """Greedy tasks for one observation or a batch; the key `state` is ignored."""
+        """Greedy tasks for one observation or a batch; the observation's key `state` is ignored.
+
+        Args:
+            observation: of one game, or of a batch.
+            state: what the pieces remember, as the last call gave it; None where games begin.
+            episode_start: games of the batch that begin with this observation: they remember nothing [B].
+            deterministic: without meaning here: the policy explores nothing.
+        """
         if not isinstance(observation, dict):
             raise ConfigError(
                 "predict() takes the task env's dict of arrays (Gymnasium's reset() returns obs, info)"
             )
-        if observation["obs"].ndim == 3:
-            return self.greedy(observation, self.agent_mean), state
-        batch = {key: np.asarray(value)[None] for key, value in observation.items()}
-        return self.greedy(batch, self.agent_mean)[0], state
+        alone = observation["obs"].ndim == 2
+        batch = {key: np.asarray(value)[None] for key, value in observation.items()} if alone else observation
+        tasks, memory = self.act(batch, self._recalled(state, episode_start), self.agent_mean)
+        kept = state if memory is None else (memory.cpu().numpy(),)
+        return tasks[0] if alone else tasks, kept
+
+    def _recalled(
+        self, state: tuple[np.ndarray, ...] | None, episode_start: np.ndarray | None
+    ) -> Tensor | None:
+        """Memory of all pieces, empty where a game begins."""
+        if state is None or self.memory is None:
+            return None
+        memory = torch.as_tensor(state[0], device=self.device)
+        return memory if episode_start is None else self.forget(memory, episode_start)
+
+    def forget(self, memory: Tensor, ended: np.ndarray) -> Tensor:
+        """The memory of all pieces [B * N, hidden] without that of games that ended [B]."""
+        goes_on = torch.as_tensor(~np.asarray(ended, bool), device=memory.device)
+        return memory * goes_on.repeat_interleave(self.shapes.n_pieces).unsqueeze(1)
 
     def forward(self, obs: PyTorchObs, deterministic: bool = True) -> Tensor:
         """Best tasks, from tensors [B, N]."""
@@ -157,8 +199,10 @@ class TaskPolicy(TrustedFiles, BasePolicy):
         Args:
             about: what the policy is for: rules hash, scenario, camp, command, and so on.
         """
-        if not isinstance(self.agent_mean, AgentNetwork):
-            raise ConfigError("only the additive network can be frozen; train with network='additive'")
+        if not isinstance(self.agent_mean, AgentNetwork) or self.memory is not None:
+            raise ConfigError(
+                "only the additive network can be frozen: train with network='additive' and without memory"
+            )
         weights = {name: tensor.cpu().numpy().copy() for name, tensor in self.agent_mean.state_dict().items()}
         sizes = {"n_pieces": self.shapes.n_pieces, "n_tasks": self.shapes.n_tasks}
         return FrozenPolicy(weights, **sizes, about=about, lower=self._lower)
@@ -200,6 +244,7 @@ class TaskPolicy(TrustedFiles, BasePolicy):
             "mixer_kwargs": self.mixer_kwargs,
             "state_dim": self.state_dim,
             "network": self.network,
+            "memory": self.memory,
             **self.sizes,
             "mirrored": self.mirrored,
             "optimizer_class": self.optimizer_class,

@@ -172,6 +172,10 @@ class HierarchicalQMIX(QMIX):
     def _setup_model(self) -> None:
         """Build both levels; the lower one needs no env yet."""
         super()._setup_model()
+        if self.policy.memory is not None:
+            raise ConfigError(
+                "HierarchicalQMIX plays by frozen policies, which remember nothing: leave memory out"
+            )
         if self.lower_env is not None:
             self.route_kwargs |= _reward_settings(self.lower_env)
         gamma = {} if self._own_route().is_shaped else {"gamma": PLAIN_GAMMA}

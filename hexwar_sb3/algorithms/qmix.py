@@ -50,9 +50,10 @@ from hexwar_sb3.algorithms.squads import SquadOrders, check_ordered
 from hexwar_sb3.algorithms.task_model import TaskModel
 from hexwar_sb3.algorithms.td_targets import qmix_target
 from hexwar_sb3.algorithms.td_update import LOSSES, TDLearner
+from hexwar_sb3.engine.fields import check_form, check_names, check_range
 from hexwar_sb3.errors import ConfigError
 from hexwar_sb3.players.frozen import FrozenPolicy
-from hexwar_sb3.policies.agent import NETWORKS
+from hexwar_sb3.policies.agent import MEMORIES, NETWORKS
 from hexwar_sb3.policies.mixers import MIXERS, Mixer
 from hexwar_sb3.policies.shapes import SIZE_LIMITS, TaskShapes
 from hexwar_sb3.policies.task_policy import TaskPolicy
@@ -88,6 +89,7 @@ POLICY_KWARGS = Parts(
         "mixer_kwargs": Parts({"embed": WIDTH, "hidden": WIDTH, "alpha": SHARE}),
         "state_dim": optional(Whole(1, SIZE_LIMITS["state_dim"])),
         "network": Choice("network", NETWORKS),
+        "memory": optional(Choice("memory", MEMORIES)),
         "hidden": WIDTH,
         "embed": WIDTH,
         "mirrored": flag,
@@ -138,7 +140,9 @@ class QMIX(TaskModel):
             more at first: it is a mean over the last tenth of the updates.
         final_learning_rate: where the learning rate ends, in a straight line over the env steps of `learn`; None keeps it.
         mixer: "qmix", "vdn", "iql", "qplex" or "ow-qmix", or a subclass of `hexwar_sb3.policies.Mixer`.
-        n_steps: steps of a transition; with `td_lambda` the length of its windows.
+        memory: "gru": pieces remember what they saw in a game. Transitions are windows then, with `td_lambda` or 0, which
+            reach back to the begin of their game: let `n_steps` be as long as games are. None: no memory.
+        n_steps: steps of a transition; with `td_lambda` or `memory` the length of its windows.
         td_lambda: λ of λ-returns; None takes n-step returns.
         double_q: the online network picks the next tasks, the target network values them.
         loss: "huber" or "squared", of the mixed value.
@@ -193,6 +197,7 @@ class QMIX(TaskModel):
         ema_tau: float = 0.002,
         final_learning_rate: float | None = None,
         mixer: str | type[Mixer] = "qmix",
+        memory: str | None = None,
         n_steps: int = 4,
         td_lambda: float | None = None,
         double_q: bool = True,
@@ -226,7 +231,11 @@ class QMIX(TaskModel):
             tau,
             gamma,
             gradient_steps=gradient_steps,
-            policy_kwargs={"mixer": mixer, **setting("policy_kwargs", policy_kwargs or {}, options)},
+            policy_kwargs={
+                "mixer": mixer,
+                **({} if memory is None else {"memory": memory}),
+                **setting("policy_kwargs", policy_kwargs or {}, options),
+            },
             stats_window_size=stats_window_size,
             tensorboard_log=tensorboard_log,
             verbose=verbose,
@@ -313,6 +322,7 @@ class QMIX(TaskModel):
         self.explorer = Explorer(self.n_envs, n_pieces, self.stickiness)
         self.squads = SquadOrders(self.n_envs, n_pieces)
         self.current = np.full((self.n_envs, n_pieces), NO_TASK)
+        self.recalled: Tensor | None = None  # what pieces remember [n * N, hidden]
         self.game_log = GameLog(self.n_envs, self.gamma)
 
     def _setup_learn(
@@ -370,11 +380,12 @@ class QMIX(TaskModel):
         """Explore among the valid tasks, each piece of each game for itself."""
         observation: dict[str, Any] = self._last_obs  # type: ignore[assignment]
         if self.game_log.starting.any():
-            value = self.learner.next_value(situation_of(observation, self.device)).mean(dim=1)
+            value = self.learner.first_value(situation_of(observation, self.device)).mean(dim=1)
             self.game_log.predict(value.cpu().numpy() * self.reward_scale)
         epsilon = 1.0 if self.num_timesteps < learning_starts else self.exploration_rate
         mask = checked_masks(observation["action_mask"])
-        tasks = self.explorer.choose(self.policy.greedy(observation), self.current, mask, epsilon, self.rng)
+        greedy, self.recalled = self.policy.act(observation, self.recalled)
+        tasks = self.explorer.choose(greedy, self.current, mask, epsilon, self.rng)
         if self.squad_initial_share or self.squad_final_share:
             tasks = self.squads.lead(tasks, observation, self.squad_share, self.rng)
         return tasks, tasks
@@ -388,7 +399,7 @@ class QMIX(TaskModel):
     ) -> tuple[np.ndarray, tuple[np.ndarray, ...] | None]:
         """Tasks for one observation or a batch; not deterministic: each piece explores with probability epsilon."""
         self._warn_of_the_heuristic()
-        tasks, state = self.policy.predict(observation, state)
+        tasks, state = self.policy.predict(observation, state, episode_start)
         mask = checked_masks(np.asarray(observation["action_mask"]))
         if not deterministic:
             tasks = np.where(
@@ -410,6 +421,8 @@ class QMIX(TaskModel):
         under_way = np.array([info.get("current_tasks", buffer_action[b]) for b, info in enumerate(infos)])
         self.current = np.where(dones[:, None], NO_TASK, under_way)
         self.explorer.end_games(dones)
+        if self.recalled is not None:
+            self.recalled = self.policy.forget(self.recalled, dones)
         self.squads.end_games(dones)
         super()._store_transition(replay_buffer, buffer_action, new_obs, reward, dones, infos)
 
@@ -428,11 +441,21 @@ class QMIX(TaskModel):
             self.logger.record_mean("rollout/discounted_return", float(returned))
 
     def snapshot(self) -> dict[str, NDArray[Any]]:
-        """What a checkpoint needs beside the model zip, the replay and the running games: here nothing."""
-        return {}
+        """What a checkpoint needs beside the model zip, the replay and the running games: what pieces remember."""
+        return {} if self.recalled is None else {"recalled": self.recalled.cpu().numpy()}
 
     def restore(self, parts: Mapping[str, NDArray[Any]]) -> None:
-        """Take over what `snapshot` gave."""
+        """Take over what `snapshot` gave.
+
+        Raises:
+            CheckpointError: it is broken.
+        """
+        check_names(parts, ("recalled",) if parts and self.policy.memory is not None else ())
+        if parts:
+            shape = (self.n_envs * self.policy.shapes.n_pieces, self.policy.sizes["hidden"])
+            check_form("recalled", parts["recalled"], np.float32, shape)
+            check_range("recalled", parts["recalled"], -1, 1)
+            self.recalled = torch.as_tensor(parts["recalled"], device=self.device)
 
     def take_over(self, policy: FrozenPolicy) -> None:
         """Go on from a frozen policy; its lower level leads the pieces of this model's env from now on.
@@ -497,7 +520,7 @@ class QMIX(TaskModel):
         upcoming = self.beside.submit(self._sample, sizes[0])
         for size in [*sizes[1:], None]:
             batch = upcoming.result()
-            best = self.beside.submit(self.learner.best_tasks, batch.then)
+            best = self.beside.submit(self.learner.best_tasks, batch)
             if size is not None:
                 upcoming = self.beside.submit(self._sample, size)
             yield batch, best
@@ -505,8 +528,8 @@ class QMIX(TaskModel):
     def _loss(self, batch: Batch, best: Future[Tensor]) -> tuple[Tensor, Tensor]:
         """Loss and joint value of a batch, in scaled points."""
         q_total = self.learner.q_total(batch)
-        reward, next_value = batch.reward / self.reward_scale, self.learner.value_of(batch.then, best)
-        if self.td_lambda is None:
+        reward, next_value = batch.reward / self.reward_scale, self.learner.value_of(batch, best)
+        if not self._in_windows:
             target = qmix_target(reward, batch.terminated, next_value, batch.discount)
         else:
             target = self.learner.lambda_target(batch, reward, next_value)
@@ -531,9 +554,17 @@ class QMIX(TaskModel):
         return min(max(due, 0), most)
 
     def _sample(self, size: int) -> Batch:
-        if self.td_lambda is None:
+        if not self._in_windows:
             return self.replay_buffer.sample(size, self.n_steps, self.rng)
-        return self.replay_buffer.sample_windows(max(1, size // self.n_steps), self.n_steps, self.rng)
+        windows = max(1, size // self.n_steps)
+        return self.replay_buffer.sample_windows(
+            windows, self.n_steps, self.rng, reach_back=self.policy.memory is not None
+        )
+
+    @property
+    def _in_windows(self) -> bool:
+        """Transitions are windows of single steps."""
+        return self.td_lambda is not None or self.policy.memory is not None
 
 
 def chunk_sizes(total: int, limit: int) -> list[int]:

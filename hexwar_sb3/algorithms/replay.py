@@ -194,9 +194,20 @@ class StepReplay:
         last = rows[np.arange(batch_size), inside.sum(axis=1) - 1]
         return self._batch(game, start, last, reward, discount, np.ones(batch_size, bool))
 
-    def sample_windows(self, n_windows: int, length: int, rng: np.random.Generator) -> Batch:
-        """Draw runs of `length` single steps [n_windows * length], for λ-returns."""
+    def sample_windows(
+        self, n_windows: int, length: int, rng: np.random.Generator, *, reach_back: bool = False
+    ) -> Batch:
+        """Draw runs of `length` single steps [n_windows * length], for λ-returns.
+
+        Args:
+            n_windows: runs.
+            length: steps of each; those past the end of a game are not `inside`.
+            rng: draws.
+            reach_back: a run begins where its game does, or as far back as the step that was drawn is still in it.
+        """
         game, start = self._draw(n_windows, rng)
+        if reach_back:
+            start = self._back(game, start, length - 1)
         rows, inside = self._walk(game, start, length)
         game, flat = game.repeat(length), rows.reshape(-1)
         reward, discount = (self._tensor(values[game, flat, None]) for values in (self.reward, self.discount))
@@ -226,6 +237,16 @@ class StepReplay:
         goes_on = self.is_step[at][:, 1:] & ~self.done[at][:, :-1]
         inside = np.concatenate([np.ones((len(game), 1), bool), goes_on], axis=1)
         return rows, np.logical_and.accumulate(inside, axis=1)
+
+    def _back(self, game: NDArray[np.int64], row: NDArray[np.int64], most: int) -> NDArray[np.int64]:
+        """Rows of steps of the same episodes up to so many steps earlier."""
+        for _ in range(most):
+            before = (row - 1) % self.rows
+            goes_on = self.is_step[game, before] & ~self.done[game, before]
+            if not goes_on.any():
+                break
+            row = np.where(goes_on, before, row)
+        return row
 
     def _batch(
         self,

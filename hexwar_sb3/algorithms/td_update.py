@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from concurrent.futures import Future
 from dataclasses import dataclass
 
@@ -63,30 +64,50 @@ class TDLearner:
 
     def q_total(self, batch: Batch) -> Float[Tensor, "batch value"]:
         """Mixed value of the tasks that were played (a value a piece without a mixer), in scaled points."""
-        return self.mixed_value(batch.now, batch.tasks)
+        agent = self.policy.agent
+        return _mixed(agent, self.policy.mixer, self._own_now(agent, batch), batch.now, batch.tasks)
 
     def mixed_value(self, seen: Situation, tasks: Int[Tensor, " piece"]) -> Float[Tensor, "batch value"]:
-        """Mixed value of one task of each piece, by the online networks, in scaled points."""
+        """Mixed value of one task of each piece where games begin, by the online networks, in scaled points."""
         agent = self.policy.agent
-        return _mixed(agent, self.policy.mixer, agent.encode(seen.sets), seen, tasks)
-
-    def next_value(self, then: Situation) -> Float[Tensor, "batch value"]:
-        """Target networks' value of the greedy valid tasks, in scaled points."""
-        return self.value_of(then, Here().submit(self.best_tasks, then))
+        return _mixed(agent, self.policy.mixer, agent.own(seen.sets), seen, tasks)
 
     @torch.no_grad()
-    def best_tasks(self, then: Situation) -> Int[Tensor, " piece"]:
-        """Greedy valid task of every piece."""
-        chooser = self.policy.agent if self.double_q else self.policy.agent_target
-        return then.sets.best(chooser.q_values(then.sets))
-
-    @torch.no_grad()
-    def value_of(self, then: Situation, tasks: Future[Tensor]) -> Float[Tensor, "batch value"]:
-        """Target networks' value of tasks that are still being computed, perhaps."""
+    def first_value(self, seen: Situation) -> Float[Tensor, "batch value"]:
+        """Target networks' value of the greedy valid tasks where games begin, in scaled points."""
         policy = self.policy
-        encoded = policy.agent_target.encode(then.sets)
-        mixed = _mixed(policy.agent_target, policy.mixer_target, encoded, then, tasks.result())
+        chooser, target = self._chooser, policy.agent_target
+        tasks = seen.sets.best(chooser.q_values(seen.sets))
+        mixed = _mixed(target, policy.mixer_target, target.own(seen.sets), seen, tasks)
         return policy.mixer_target.next_values(mixed)
+
+    def next_value(self, batch: Batch) -> Float[Tensor, "batch value"]:
+        """Target networks' value of the greedy valid tasks after the steps, in scaled points."""
+        return self.value_of(batch, Here().submit(self.best_tasks, batch))
+
+    @torch.no_grad()
+    def best_tasks(self, batch: Batch) -> Int[Tensor, " piece"]:
+        """Greedy valid task of every piece after the steps."""
+        chooser, sets = self._chooser, batch.then.sets
+        return sets.best(chooser.values(chooser.encode(sets, self._own_then(chooser, batch)), sets))
+
+    @torch.no_grad()
+    def value_of(self, batch: Batch, tasks: Future[Tensor]) -> Float[Tensor, "batch value"]:
+        """Target networks' value of tasks that are still being computed, perhaps."""
+        policy, target = self.policy, self.policy.agent_target
+        own = self._own_then(target, batch)
+        mixed = _mixed(target, policy.mixer_target, own, batch.then, tasks.result)
+        return policy.mixer_target.next_values(mixed)
+
+    @property
+    def _chooser(self) -> TaskNetwork:
+        return self.policy.agent if self.double_q else self.policy.agent_target
+
+    def _own_now(self, agent: TaskNetwork, batch: Batch) -> Tensor:
+        return agent.own_in_turn(batch.now.sets, self.window, batch.now.alive.shape[1])
+
+    def _own_then(self, agent: TaskNetwork, batch: Batch) -> Tensor:
+        return agent.own(batch.then.sets, self._own_now(agent, batch) if agent.remembers else None)
 
     def lambda_target(self, batch: Batch, reward: Tensor, next_value: Tensor) -> Float[Tensor, "batch value"]:
         """λ-returns of the windows, in the batch's flat order."""
@@ -129,14 +150,16 @@ class TDLearner:
 def _mixed(
     agent: TaskNetwork,
     mixer: Mixer,
-    encoded: tuple[Tensor, ...],
+    own: Tensor,
     seen: Situation,
-    tasks: Int[Tensor, " piece"],
+    tasks: Int[Tensor, " piece"] | Callable[[], Int[Tensor, " piece"]],
 ) -> Float[Tensor, "batch value"]:
-    """Mixed value of one task of each piece, whose networks have read the situation."""
+    """Mixed value of one task of each piece; the tasks may come late."""
     sets, alive = seen.sets, seen.alive
+    encoded = agent.encode(sets, own)
+    chosen = tasks() if callable(tasks) else tasks
     choices = None
     if mixer.reads_choices:
-        rows = sets.tasks[sets.rows_of(tasks)].view(*alive.shape, -1)
+        rows = sets.tasks[sets.rows_of(chosen)].view(*alive.shape, -1)
         choices = Choices(sets.highest(agent.values(encoded, sets)).view_as(alive), rows)
-    return mixer(agent.chosen(encoded, sets, tasks).view_as(alive), seen.state, alive, choices)
+    return mixer(agent.chosen(encoded, sets, chosen).view_as(alive), seen.state, alive, choices)

@@ -53,7 +53,13 @@ def sha256(model: QMIX) -> str:
 
 
 @pytest.mark.parametrize(
-    "options", [{"buffer_size": 60}, {"buffer_size": 1_000}, {"mixer": "vdn", "td_lambda": 0.8}]
+    "options",
+    [
+        {"buffer_size": 60},
+        {"buffer_size": 1_000},
+        {"mixer": "vdn", "td_lambda": 0.8},
+        {"memory": "gru", "n_steps": 6, "mixer": "ow-qmix"},
+    ],
 )
 def test_resumed_is_unbroken(
     make_model: MakeModel, make_env: MakeEnv, tmp_path: Path, options: dict[str, Any]
@@ -72,6 +78,15 @@ def test_resumed_is_unbroken(
     assert sha256(resumed) == sha256(unbroken)
     assert resumed.env is not None
     assert resumed.env.episode_returns.tolist() == unbroken.env.episode_returns.tolist()  # type: ignore[attr-defined, union-attr]
+
+
+@pytest.mark.parametrize("recalled", [np.zeros((3, 64), np.float32), np.full((12, 64), np.nan, np.float32)])
+def test_a_broken_memory_is_refused(make_model: MakeModel, recalled: NDArray[np.float32]) -> None:
+    model = make_model(memory="gru", n_steps=6)
+    with pytest.raises(CheckpointError, match="recalled: found"):
+        model.restore({"recalled": recalled})
+    with pytest.raises(CheckpointError, match="recalled"):
+        make_model().restore({"recalled": recalled})
 
 
 def test_saving_changes_nothing(make_model: MakeModel, tmp_path: Path) -> None:

@@ -17,7 +17,15 @@ from stable_baselines3.common.vec_env import DummyVecEnv, VecEnv
 from hexwar_sb3.algorithms.qmix import QMIX
 from hexwar_sb3.algorithms.replay import situation_of
 from hexwar_sb3.envs.joint_action import JointActionEnv
-from tests.envs.matrix_games import CLIMBING, ONE_STEP, PENALTY, MatrixGame, RepeatedGame, TwoStepGame
+from tests.envs.matrix_games import (
+    CLIMBING,
+    ONE_STEP,
+    PENALTY,
+    CueGame,
+    MatrixGame,
+    RepeatedGame,
+    TwoStepGame,
+)
 
 # Q_Σ of (row, column) at 1, 2A and 2B with gamma 0.99 and random exploration (Rashid et al. 2018, table 1).
 # VDN's best fit to 2B by least squares is [[-1.5, 2.5], [2.5, 6.5]].
@@ -77,9 +85,9 @@ def joint_value(model: QMIX, obs: dict[str, NDArray[Any]], actions: tuple[int, i
         return float(model.learner.mixed_value(seen, torch.tensor(actions))[0, 0]) * model.reward_scale
 
 
-def greedy_return(model: QMIX) -> float:
+def greedy_return(model: QMIX, episodes: int = 8) -> float:
     assert model.env is not None
-    return float(evaluate_policy(model, model.env, n_eval_episodes=8)[0])  # type: ignore[arg-type]
+    return float(evaluate_policy(model, model.env, n_eval_episodes=episodes)[0])  # type: ignore[arg-type]
 
 
 def check_two_step(mixer: str, seed: int, env_steps: int) -> None:
@@ -122,6 +130,22 @@ def test_the_one_step_game() -> None:
 @pytest.mark.parametrize("loss", ["squared", "huber"])
 def test_the_one_step_game_with_three_more_seeds(loss: str, seed: int) -> None:
     check_one_step(loss, seed)
+
+
+@pytest.mark.parametrize(("memory", "least", "most"), [("gru", 1.0, 1.0), (None, 0.0, 0.9)])
+def test_who_remembers_the_cue_is_paid(memory: str | None, least: float, most: float) -> None:
+    """Who does not cannot know: 1 of 2, or less."""
+    learner = {
+        **TWO_STEP,
+        "learning_rate": 2e-3,
+        "n_steps": 3,
+        "td_lambda": 0.8,
+        "exploration_final_eps": 0.3,
+    }
+
+    model = QMIX("TaskPolicy", games(CueGame), memory=memory, seed=0, **learner).learn(4_000)
+
+    assert least <= greedy_return(model, episodes=40) <= most
 
 
 @pytest.mark.slow

@@ -77,6 +77,29 @@ def test_a_mixer_of_your_own_learns_and_is_given_again_when_loaded(
     assert torch.equal(weights(again), weights(model))
 
 
+def test_a_memory_is_empty_where_games_begin(make_model: MakeModel, make_env: MakeEnv) -> None:
+    model = make_model(memory="gru", n_steps=6).learn(60)
+    obs = first_look(make_env())
+
+    _, first = model.predict(obs, deterministic=True)
+    _, second = model.predict(obs, first, deterministic=True)
+    _, begun = model.predict(obs, second, np.array([True, False, False, False]), deterministic=True)
+
+    assert first is not None
+    assert second is not None
+    assert begun is not None
+    pieces = len(first[0]) // 4
+    np.testing.assert_array_equal(begun[0][:pieces], first[0][:pieces])
+    assert not np.array_equal(begun[0][pieces:], first[0][pieces:])
+
+
+def test_a_policy_with_a_memory_is_not_frozen(make_model: MakeModel) -> None:
+    with pytest.raises(ConfigError, match="without memory"):
+        make_model(memory="gru", n_steps=6).policy.freeze()
+    with pytest.raises(UnknownNameError, match="unknown memory 'lstm'"):
+        make_model(memory="lstm")
+
+
 def test_the_replay_is_filled_and_nothing_learns(make_model: MakeModel) -> None:
     model = make_model()
     before = weights(model)

@@ -216,6 +216,20 @@ def test_windows_are_single_steps_in_a_row() -> None:
         assert not (row[mask] <= 3).any() or not (row[mask] > 3).any()
 
 
+def test_windows_that_reach_back_begin_where_their_game_does() -> None:
+    """As far as the step that was drawn is still in them: games of three steps and of four."""
+    buffer = replay()
+    for moment in range(1, 8):
+        add(buffer, moment, done=moment in (3, 7))
+
+    def begins(length: int) -> set[int]:
+        batch = buffer.sample_windows(200, length, np.random.default_rng(0), reach_back=True)
+        return set(np.array(moments(batch.now.sets.obs)).reshape(200, length)[:, 0].tolist())
+
+    assert begins(4) == {1, 4}
+    assert begins(2) == {1, 2, 4, 5, 6}
+
+
 def test_the_discount_follows_the_ticks_of_the_decision() -> None:
     buffer = replay()
     add(buffer, 1, info={"ticks": 150})

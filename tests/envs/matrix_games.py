@@ -124,3 +124,27 @@ class RepeatedGame(MatrixGame):
         """Be paid; over after the last round."""
         self.played += 1
         return float(self.payoffs[row][column]), self.played == self.rounds
+
+
+class CueGame(MatrixGame):
+    """Both see one of two cues, then nothing for a step; both are paid for what the cue said, in the last step alone."""
+
+    STEPS = 3
+
+    def __init__(self) -> None:
+        super().__init__(n_actions=2, n_features=3)
+        self.random, self.cue, self.moment = np.random.default_rng(0), 0, 0
+
+    def state(self) -> Features:
+        """The cue at first, then that it has gone."""
+        return np.eye(3, dtype=np.float32)[self.cue if self.moment == 0 else 2]
+
+    def begin(self) -> None:
+        """Draw a cue."""
+        self.cue, self.moment = int(self.random.integers(2)), 0
+
+    def play(self, row: int, column: int) -> tuple[float, bool]:
+        """Be paid for the cue, in the end."""
+        self.moment += 1
+        over = self.moment == self.STEPS
+        return float(over and row == column == self.cue), over

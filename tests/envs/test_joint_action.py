@@ -205,7 +205,7 @@ def test_a_game_without_an_end_is_worth_more_than_until_its_time_limit(mixer: st
 
     start = situation_of(cast("dict[str, NDArray[Any]]", env.reset()), model.device)
 
-    assert model.learner.next_value(start).mean().item() == pytest.approx(10.0, abs=0.3)
+    assert model.learner.first_value(start).mean().item() == pytest.approx(10.0, abs=0.3)
 
 
 def test_the_state_may_be_left_out() -> None:

@@ -6,7 +6,7 @@ import pytest
 import torch
 from torch import Tensor
 
-from hexwar_sb3.policies.agent import AgentNetwork, LiteralAgentNetwork, TaskNetwork
+from hexwar_sb3.policies.agent import AgentNetwork, LiteralAgentNetwork, MemoryAgentNetwork, TaskNetwork
 from hexwar_sb3.policies.task_sets import pack
 
 OBS, TASK = 11, 5
@@ -91,7 +91,7 @@ def test_the_value_of_the_chosen_task_is_that_of_the_whole_table(network: TaskNe
     chosen = mask.flatten(0, 1).float().multinomial(1, generator=torch.Generator().manual_seed(2)).squeeze(1)
     sets = pack(obs, tasks, mask)
 
-    q = network.chosen(network.encode(sets), sets, chosen)
+    q = network.chosen(network.encode(sets, network.own(sets)), sets, chosen)
 
     torch.testing.assert_close(q, table.gather(1, chosen.unsqueeze(1)).squeeze(1))
 
@@ -135,10 +135,30 @@ def test_gradients_of_the_packed_form_are_those_of_the_table() -> None:
     chosen = torch.zeros(12, dtype=torch.long)
 
     sets = pack(obs, tasks, mask)
-    agent.chosen(agent.encode(sets), sets, chosen).sum().backward()  # type: ignore[no-untyped-call]
+    agent.chosen(agent.encode(sets, agent.own(sets)), sets, chosen).sum().backward()  # type: ignore[no-untyped-call]
     packed = [parameter.grad.clone() for parameter in agent.parameters() if parameter.grad is not None]
     agent.zero_grad()
     agent(obs, tasks, mask)[:, :, 0].sum().backward()
     whole = [parameter.grad for parameter in agent.parameters() if parameter.grad is not None]
 
     torch.testing.assert_close(packed, whole)
+
+
+def test_a_memory_is_carried_from_step_to_step() -> None:
+    """Runs at once are what their steps are one after the other; what was seen before counts."""
+    torch.manual_seed(0)
+    agent, (runs, steps, pieces) = MemoryAgentNetwork(OBS, TASK), (2, 5, 3)
+    obs = torch.randn(runs, steps, pieces, OBS)
+    tasks, mask = torch.randn(runs, steps, pieces, 2, TASK), torch.ones(runs, steps, pieces, 2)
+
+    at_once = agent.own_in_turn(pack(obs, tasks, mask), steps, pieces).view(runs, steps, pieces, -1)
+
+    memory = None
+    for k in range(steps):
+        memory = agent.own(pack(obs[:, k], tasks[:, k], mask[:, k]), memory)
+        torch.testing.assert_close(at_once[:, k].flatten(0, 1), memory)
+    obs[0, 0, 0] += 1.0
+    other = agent.own_in_turn(pack(obs, tasks, mask), steps, pieces).view(runs, steps, pieces, -1)
+    assert not torch.allclose(other[0, -1, 0], at_once[0, -1, 0])
+    torch.testing.assert_close(other[1], at_once[1])
+    torch.testing.assert_close(other[0, :, 1:], at_once[0, :, 1:])
