@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import sys
 from collections.abc import Iterator, Mapping
 from concurrent.futures import Executor, Future
 from dataclasses import asdict
@@ -15,6 +16,7 @@ from stable_baselines3.common.buffers import ReplayBuffer
 from stable_baselines3.common.callbacks import BaseCallback
 from stable_baselines3.common.noise import ActionNoise
 from stable_baselines3.common.policies import BasePolicy
+from stable_baselines3.common.running_mean_std import RunningMeanStd
 from stable_baselines3.common.type_aliases import GymEnv, MaybeCallback, Schedule
 from stable_baselines3.common.utils import LinearSchedule
 from torch import Tensor
@@ -28,6 +30,7 @@ from hexwar_sb3.algorithms.ranges import (
     COUNTERS,
     LEARNING,
     MOST_BATCH,
+    NOT_NEGATIVE,
     OPTIMIZER,
     POSITIVE,
     SHARE,
@@ -59,6 +62,7 @@ from hexwar_sb3.policies.shapes import SIZE_LIMITS, TaskShapes
 from hexwar_sb3.policies.task_policy import TaskPolicy
 
 STOP = 0  # row of every task set: stop what is under way
+LEAST_SCALE = 1e-3  # of rewards: in a game without any nothing is divided by nearly 0
 BELOW_ONE = Number(0.0, math.nextafter(1.0, 0.0), "in [0, 1)")
 EVERY = "(n, 'episode') or (n, 'step') with n >= 1"
 
@@ -74,6 +78,15 @@ def update_every(value: Any) -> tuple[int, str]:
     except (Misfit, TypeError, ValueError):
         pass
     raise Misfit(value, EVERY)
+
+
+def three_figures(value: Any) -> list[float]:
+    """Mean, variance and number of something."""
+    found = row(value)
+    kinds = Number(-sys.float_info.max, sys.float_info.max, "finite"), NOT_NEGATIVE, POSITIVE
+    if not isinstance(found, list | tuple) or len(found) != len(kinds):
+        raise Misfit(value, "three numbers")
+    return [kind(one) for kind, one in zip(kinds, found, strict=True)]
 
 
 def mixer_setting(value: Any) -> str | type[Mixer]:
@@ -105,9 +118,10 @@ SETTINGS: Table = {
     "td_lambda": optional(SHARE),
     "double_q": flag,
     "loss": Choice("loss", LOSSES),
-    "reward_scale": POSITIVE,
+    "reward_scale": optional(POSITIVE),
     "exploration_episodes": Whole(),
     "exploration_every": Whole(),
+    "exploration_steps": optional(Whole()),
     "stickiness": BELOW_ONE,
     "squad_initial_share": SHARE,
     "squad_final_share": SHARE,
@@ -146,11 +160,13 @@ class QMIX(TaskModel):
         td_lambda: λ of λ-returns; None takes n-step returns.
         double_q: the online network picks the next tasks, the target network values them.
         loss: "huber" or "squared", of the mixed value.
-        reward_scale: rewards are divided by it; values are logged in points all the same.
+        reward_scale: rewards are divided by it; values are logged in points all the same. None: by the standard deviation
+            of the discounted returns so far, a saved figure.
         exploration_initial_eps: probability of a random task at the start.
         exploration_final_eps: and after `exploration_episodes`; pieces that stick to it explore several times as often.
         exploration_episodes: finished games until then; a saved count, so a resumed run goes on where it was.
         exploration_every: episodes between two steps down.
+        exploration_steps: env steps until then, in place of games; None: games count.
         stickiness: probability that an exploring piece keeps its random task at a decision.
         squad_initial_share: share of the games, at the start, in which some pieces hold a spot together for a while
             (`SquadOrders`); 0 but for the task env.
@@ -173,7 +189,7 @@ class QMIX(TaskModel):
     }
     zip_name: ClassVar[str] = "QMIX"
     settings: ClassVar[Table] = SETTINGS
-    state: ClassVar[Table] = {**COUNTERS, "_periods_trained": COUNTER}
+    state: ClassVar[Table] = {**COUNTERS, "_periods_trained": COUNTER, "return_figures": three_figures}
     attributes: ClassVar[Mapping[str, str]] = {**TaskModel.attributes, "train_freq": "update_every"}
     places: ClassVar[tuple[str, ...]] = (*TaskModel.places, "mixer")
     _learns = "all"  # or "mixer" alone, or "nothing"
@@ -202,11 +218,12 @@ class QMIX(TaskModel):
         td_lambda: float | None = None,
         double_q: bool = True,
         loss: str = "huber",
-        reward_scale: float = 50.0,
+        reward_scale: float | None = 50.0,
         exploration_initial_eps: float = 0.5,
         exploration_final_eps: float = 0.02,
         exploration_episodes: int = 4_000,
         exploration_every: int = 1,
+        exploration_steps: int | None = None,
         stickiness: float = 0.8,
         squad_initial_share: float = 0.0,
         squad_final_share: float = 0.0,
@@ -253,6 +270,8 @@ class QMIX(TaskModel):
         self.exploration_initial_eps = exploration_initial_eps
         self.exploration_final_eps = exploration_final_eps
         self.exploration_episodes, self.exploration_every = exploration_episodes, exploration_every
+        self.exploration_steps = exploration_steps
+        self.returns = RunningMeanStd(shape=())  # of discounted returns so far
         self.squad_initial_share, self.squad_final_share = squad_initial_share, squad_final_share
         self.squad_episodes = squad_episodes
         self._periods_trained = 0
@@ -306,7 +325,6 @@ class QMIX(TaskModel):
             policy=self.policy,
             loss=self.loss,
             double_q=self.double_q,
-            reward_scale=self.reward_scale,
             td_lambda=self.td_lambda,
             window=self.n_steps,
             max_grad_norm=self.max_grad_norm,
@@ -358,13 +376,36 @@ class QMIX(TaskModel):
 
     @property
     def exploration_rate(self) -> float:
-        """Epsilon now: a function of the number of finished games."""
+        """Epsilon now: a function of the number of finished games, or of env steps."""
+        if self.exploration_steps is not None:
+            ends = self.exploration_initial_eps, self.exploration_final_eps
+            return epsilon_at(self.num_timesteps, *ends, self.exploration_steps)
         return epsilon_at(
             self._episode_num,
             self.exploration_initial_eps,
             self.exploration_final_eps,
             self.exploration_episodes,
             self.exploration_every,
+        )
+
+    @property
+    def scale(self) -> float:
+        """Points that count as 1 in what is learned."""
+        if self.reward_scale is not None:
+            return self.reward_scale
+        return max(math.sqrt(float(self.returns.var)), LEAST_SCALE)
+
+    @property
+    def return_figures(self) -> list[float]:
+        """Mean, variance and number of the discounted returns so far."""
+        return [float(self.returns.mean), float(self.returns.var), float(self.returns.count)]
+
+    @return_figures.setter
+    def return_figures(self, figures: list[float]) -> None:
+        self.returns.mean, self.returns.var, self.returns.count = (
+            np.array(figures[0]),
+            np.array(figures[1]),
+            figures[2],
         )
 
     @property
@@ -381,7 +422,7 @@ class QMIX(TaskModel):
         observation: dict[str, Any] = self._last_obs  # type: ignore[assignment]
         if self.game_log.starting.any():
             value = self.learner.first_value(situation_of(observation, self.device)).mean(dim=1)
-            self.game_log.predict(value.cpu().numpy() * self.reward_scale)
+            self.game_log.predict(value.cpu().numpy() * self.scale)
         epsilon = 1.0 if self.num_timesteps < learning_starts else self.exploration_rate
         mask = checked_masks(observation["action_mask"])
         greedy, self.recalled = self.policy.act(observation, self.recalled)
@@ -436,6 +477,8 @@ class QMIX(TaskModel):
             self.logger.record_mean("rollout/stop_share", float((tasks == STOP)[alive].mean()))
         if going_on.any():
             self.logger.record_mean("rollout/task_changes", float((tasks != self.current)[going_on].mean()))
+        if self.reward_scale is None:
+            self.returns.update(self.game_log.returns + self.game_log.discounts * reward)
         for predicted, returned in self.game_log.add(reward, dones, infos):
             self.logger.record_mean("rollout/predicted_return", float(predicted))
             self.logger.record_mean("rollout/discounted_return", float(returned))
@@ -528,7 +571,7 @@ class QMIX(TaskModel):
     def _loss(self, batch: Batch, best: Future[Tensor]) -> tuple[Tensor, Tensor]:
         """Loss and joint value of a batch, in scaled points."""
         q_total = self.learner.q_total(batch)
-        reward, next_value = batch.reward / self.reward_scale, self.learner.value_of(batch, best)
+        reward, next_value = batch.reward / self.scale, self.learner.value_of(batch, best)
         if not self._in_windows:
             target = qmix_target(reward, batch.terminated, next_value, batch.discount)
         else:
@@ -538,7 +581,7 @@ class QMIX(TaskModel):
     def _log_update(self, loss: float, q_total: float) -> None:
         self.logger.record("train/n_updates", self._n_updates, exclude="tensorboard")
         self.logger.record_mean("train/loss", loss)
-        self.logger.record_mean("train/q_total", q_total * self.reward_scale)
+        self.logger.record_mean("train/q_total", q_total * self.scale)
 
     def _periods_due(self) -> int:
         """Periods of `train_freq` that ended since the last call, as far as one vector step can end them.

@@ -32,7 +32,6 @@ class TDLearner:
         policy: networks, targets, optimiser.
         loss: "huber" or "squared".
         double_q: the online network picks the next tasks, the target network values them.
-        reward_scale: points that count as 1.
         td_lambda: λ of λ-returns over windows; None takes the batch's n-step returns.
         window: steps of a window.
         max_grad_norm: gradients are clipped to it.
@@ -45,7 +44,6 @@ class TDLearner:
     policy: TaskPolicy
     loss: str
     double_q: bool
-    reward_scale: float
     td_lambda: float | None
     window: int
     max_grad_norm: float

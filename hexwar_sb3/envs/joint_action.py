@@ -34,12 +34,19 @@ class JointActionEnv(gymnasium.Env[Obs, NDArray[np.int64]]):
             its mask.
         team_reward: "mean" of the agents' rewards (for envs that give the team's reward to each), or "sum".
         privileged_state: add env.state(), where it has one, for the mixer.
+        last_action: add a one-hot of what an agent did last to what it sees, for agents with a memory.
 
     Raises:
         ConfigError: none of these, or an agent's actions or observations are of another kind.
     """
 
-    def __init__(self, env: object, team_reward: str = "mean", privileged_state: bool = True) -> None:
+    def __init__(
+        self,
+        env: object,
+        team_reward: str = "mean",
+        privileged_state: bool = True,
+        last_action: bool = False,
+    ) -> None:
         check_choice("team_reward", team_reward, TEAM_REWARDS)
         self.env, self._sum = as_parallel(env), team_reward == "sum"
         self.names = list(getattr(self.env, "possible_agents", ()))
@@ -54,13 +61,14 @@ class JointActionEnv(gymnasium.Env[Obs, NDArray[np.int64]]):
         self._observed: dict[Any, Any] = {}
         n, k = len(self.names), max(int(space.n) for space in self.actions.values())
         self._rows = np.broadcast_to(np.eye(k, dtype=np.float32), (n, k, k))
+        self._last = np.zeros((n, k if last_action else 0), np.float32)  # one-hot of each agent's last action
         self._spaces = self._make_spaces(n, k)
         self.action_space = spaces.MultiDiscrete([k] * n)
         self.observation_space = spaces.Dict(list(self._spaces.items()))  # type: ignore[assignment]  # Gymnasium mixes types
 
     def _make_spaces(self, n: int, k: int) -> dict[str, spaces.Box[Any]]:
         parts: dict[str, spaces.Box[Any]] = {
-            "obs": spaces.Box(-np.inf, np.inf, (n, max(self._widths.values()) + n)),
+            "obs": spaces.Box(-np.inf, np.inf, (n, max(self._widths.values()) + self._last.shape[1] + n)),
             "tasks": spaces.Box(0.0, 1.0, (n, k, k)),
             "action_mask": spaces.Box(0, 1, (n, k), np.int8),
             "alive": spaces.Box(0.0, 1.0, (n,)),
@@ -76,6 +84,7 @@ class JointActionEnv(gymnasium.Env[Obs, NDArray[np.int64]]):
         super().reset(seed=seed)
         observed, infos = self.env.reset(seed=seed, options=options)
         self._observed = dict(observed)
+        self._last[:] = 0.0
         return self._observe(infos, set(self.env.agents)), {}
 
     def step(self, action: NDArray[np.int64]) -> tuple[Obs, float, bool, bool, dict[str, Any]]:
@@ -84,7 +93,10 @@ class JointActionEnv(gymnasium.Env[Obs, NDArray[np.int64]]):
         Raises:
             ConfigError: they are no whole numbers, an agent has no such action, or no episode is under way.
         """
-        joint = self._joint(check_actions(action, (len(self.names),), axes=""))
+        picked = check_actions(action, (len(self.names),), axes="")
+        joint = self._joint(picked)
+        if self._last.size:
+            self._last[:] = self._rows[0, picked]
         observed, rewards, terminated, truncated, infos = self.env.step(joint)
         self._observed |= observed
         reward = sum(map(float, rewards.values())) / (1 if self._sum else len(rewards))
@@ -133,6 +145,7 @@ class JointActionEnv(gymnasium.Env[Obs, NDArray[np.int64]]):
                     f"agent {name!r} observes {flat.size} numbers, its space has {self._widths[name]}"
                 )
             row[: flat.size] = flat
+        row[-len(self.names) - self._last.shape[1] : -len(self.names)] = self._last[i]
         return row
 
     def _mask(self, name: Any, info: dict[str, Any]) -> NDArray[Any]:

@@ -82,7 +82,7 @@ def joint_values(model: QMIX) -> NDArray[np.float64]:
 def joint_value(model: QMIX, obs: dict[str, NDArray[Any]], actions: tuple[int, int]) -> float:
     seen = situation_of({key: value[None] for key, value in obs.items()}, model.device)
     with torch.no_grad():
-        return float(model.learner.mixed_value(seen, torch.tensor(actions))[0, 0]) * model.reward_scale
+        return float(model.learner.mixed_value(seen, torch.tensor(actions))[0, 0]) * model.scale
 
 
 def greedy_return(model: QMIX, episodes: int = 8) -> float:

@@ -100,6 +100,25 @@ def test_a_policy_with_a_memory_is_not_frozen(make_model: MakeModel) -> None:
         make_model(memory="lstm")
 
 
+def test_exploration_may_follow_env_steps(make_model: MakeModel) -> None:
+    model = make_model(exploration_initial_eps=1.0, exploration_final_eps=0.5, exploration_steps=80)
+    assert model.exploration_rate == 1.0
+    assert model.learn(40).exploration_rate == 0.75
+    assert model.learn(80, reset_num_timesteps=False).exploration_rate == 0.5
+
+
+def test_the_scale_of_rewards_is_found_and_saved(make_model: MakeModel, tmp_path: Path) -> None:
+    """What is learned is of the size 1, whatever the game pays; with a scale of its own nothing is counted."""
+    model = make_model(reward_scale=None)
+    assert model.scale == 1.0
+
+    model.learn(200).save(tmp_path / "model.zip")
+
+    assert 0.3 < model.scale < 3.0  # of some 0.75 points a step, of six steps
+    assert QMIX.load(tmp_path / "model.zip").scale == model.scale
+    assert make_model(reward_scale=2.0).learn(60).return_figures == make_model().return_figures
+
+
 def test_the_replay_is_filled_and_nothing_learns(make_model: MakeModel) -> None:
     model = make_model()
     before = weights(model)

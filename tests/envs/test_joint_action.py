@@ -228,6 +228,18 @@ def seen(env: JointActionEnv) -> NDArray[Any]:
     return env.reset()[0]["obs"]
 
 
+def test_agents_may_see_what_they_did_last() -> None:
+    """Between what they see and who they are."""
+    env = JointActionEnv(RepeatedGame(CLIMBING), last_action=True)
+    obs, _ = env.reset()
+    assert obs["obs"].tolist() == [[0, 0, 0, 0, 1, 0], [0, 0, 0, 0, 0, 1]]
+
+    obs, *_ = env.step(np.array([2, 0]))
+    assert obs["obs"][:, 1:].tolist() == [[0, 0, 1, 1, 0], [1, 0, 0, 0, 1]]
+    assert space_of(env).contains(obs)
+    assert not env.reset()[0]["obs"][:, 1:4].any()
+
+
 def test_resets_are_equal() -> None:
     env = JointActionEnv(TwoStepGame())
 
