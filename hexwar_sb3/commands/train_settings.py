@@ -78,9 +78,8 @@ class TrainSettings:
     ways: OfPreset[bool] = None  # the lower level's state holds the fastest ways, or the six neighbours alone
     lower_gamma: OfPreset[float] = None  # discount of the lower level for the time of a hop on open ground
 
-    mixer: OfPreset[Literal["qmix", "vdn", "iql", "qplex", "ow-qmix"]] = (
-        None  # joins the pieces' values into the camp's
-    )
+    # joins the pieces' values into the camp's
+    mixer: OfPreset[Literal["qmix", "vdn", "iql", "qplex", "ow-qmix"]] = None
     hidden: OfPreset[int] = None  # width of the networks
     embed: OfPreset[int] = None  # width of a task's embedding
     # the networks do not see which camp they play; where the preset says nothing: if the map is its own mirror image

@@ -246,7 +246,7 @@ def terrain_cases(folder: Path) -> Iterator[Case]:
         yield Case(
             "array", f"{name}: a .npy of objects", partial(rewrite, name, partial(instead, object_array()))
         )
-    yield swapped("two tables in each other's place", names[0], names[1])
+    yield swapped("tables of two maps in each other's place", *names)
 
 
 def _flip_tricks(data: bytes) -> Tricks:

@@ -273,15 +273,15 @@ def study(root: Path) -> None:
         study.tell(trial, 0.1 * number if state == optuna.trial.TrialState.COMPLETE else None, state)
 
 
-def terrain_map() -> Any:
+def terrain_map(size: str = "26x25") -> Any:
     """A map whose tables are just large enough to be filed."""
     from hexwar_sb3.engine.text import parse_board
 
-    return parse_board(BOARD.replace("plain-13x9", "plain-26x25")).scenario.hexmap
+    return parse_board(BOARD.replace("plain-13x9", f"plain-{size}")).scenario.hexmap
 
 
 def terrain(root: Path) -> None:
-    """A cache folder: tables of a map, and the compiled kernels of the real one, linked."""
+    """A cache folder: tables of two maps, and the compiled kernels of the real one, linked."""
     from hexwar_sb3.cache import cache_root
 
     cache = root / "terrain" / "cache"
@@ -290,6 +290,7 @@ def terrain(root: Path) -> None:
     (cache / "terrain").mkdir(parents=True)
     with cache_at(cache):
         tables(terrain_map())
+        tables(terrain_map("25x26"))
     for kernels in real.glob("*"):
         if kernels.name != "terrain" and not (cache / kernels.name).exists():
             (cache / kernels.name).symlink_to(kernels)

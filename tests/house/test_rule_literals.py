@@ -24,7 +24,7 @@ ALLOWED: dict[str, set[float]] = {
     "engine/replay_file.py": {40},  # characters of a wrong line in a message
     "engine/state.py": {2**64 - 1},  # a seed has 64 bits
     "engine/text.py": {4},  # digits of a cell's name
-    "play/fingerprint.py": {4, *range(5, 15)},  # which multiplier of a fingerprint
+    "play/fingerprint.py": {4, *range(5, 16)},  # which multiplier of a fingerprint
     "play/warm_start.py": {1e-9},  # rounding of a cross product
     "tasks/sets.py": {4},  # columns of a draft
 }
