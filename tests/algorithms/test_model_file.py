@@ -158,7 +158,14 @@ def test_every_value_of_a_zip_is_of_its_kind_and_in_its_range(model: QMIX, tmp_p
                 assert getattr(loaded, QMIX.attributes.get(name, name)) == value
                 taken.append((name, value))
     kept = {name for name, _ in taken}
-    either = {"seed", "td_lambda", "final_learning_rate", "leading", "double_q"}  # None, or True
+    either = {
+        "seed",
+        "td_lambda",
+        "final_learning_rate",
+        "exploration_steps",
+        "leading",
+        "double_q",
+    }  # None, or True
     assert kept <= {*either, "learning_rate", "reward_scale", "max_grad_norm"}  # 1e300
 
 
