@@ -4,6 +4,7 @@ from .every import EverySteps as EverySteps
 from .grouped_self_play import GroupedSelfPlayCallback as GroupedSelfPlayCallback
 from .progress import ProgressBar as ProgressBar
 from .record import RecordGame as RecordGame
+from .returns import ReturnsCallback as ReturnsCallback
 from .self_play import SelfPlayCallback as SelfPlayCallback
 from .shares import ShareOfGames as ShareOfGames
 from .trial_eval import TrialEvalCallback as TrialEvalCallback

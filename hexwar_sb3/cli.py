@@ -16,6 +16,7 @@ from hexwar_sb3.commands.evaluate import Evaluate, Match
 from hexwar_sb3.commands.experiments import Experiments
 from hexwar_sb3.commands.exploit import Exploit
 from hexwar_sb3.commands.hotspots import Hotspots
+from hexwar_sb3.commands.learn import Learn
 from hexwar_sb3.commands.maps import Maps
 from hexwar_sb3.commands.play import Play
 from hexwar_sb3.commands.policies import Export, Import
@@ -36,6 +37,7 @@ COMMANDS: dict[str, Callable[..., Any]] = {
     "selfplay": SelfPlay,
     "distill": Distill,
     "exploit": Exploit,
+    "learn": Learn,
     "export": Export,
     "import": Import,
     "tune": Tune,

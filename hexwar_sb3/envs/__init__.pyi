@@ -1,5 +1,6 @@
 from .cooperative import as_parallel as as_parallel
 from .flat_env import FlatEnv as FlatEnv
+from .foreign import make_joint as make_joint
 from .joint_action import JointActionEnv as JointActionEnv
 from .parallel import parallel_env as parallel_env
 from .registration import make_vec_env as make_vec_env
