@@ -19,6 +19,7 @@ import torch
 from numpy.typing import NDArray
 from stable_baselines3.common.vec_env import DummyVecEnv, VecMonitor
 
+from hexwar_sb3.algorithms.neutral import NEUTRAL
 from hexwar_sb3.algorithms.qmix import QMIX
 from hexwar_sb3.envs.joint_action import JointActionEnv
 from hexwar_sb3.errors import ConfigError
@@ -27,20 +28,7 @@ from hexwar_sb3.files import replacing
 GAME = "Foraging-5x5-2p-1f-v3"
 GREEDY_GAMES = 200  # in which the trained policy is measured, on seeds of their own
 GREEDY_SEED = 1_000_000
-SETTINGS: dict[str, Any] = {
-    "learning_rate": 5e-4,
-    "batch_size": 128,
-    "buffer_size": 100_000,
-    "learning_starts": 2_000,
-    "train_freq": (4, "step"),
-    "gradient_steps": 1,
-    "tau": 0.01,
-    "n_steps": 3,
-    "reward_scale": 1.0,
-    "stickiness": 0.0,
-    "exploration_initial_eps": 1.0,
-    "exploration_final_eps": 0.05,
-}
+SETTINGS: dict[str, Any] = {**NEUTRAL, "reward_scale": 1.0}
 """Arguments of `QMIX`; what is not named is its default."""
 
 
