@@ -99,6 +99,9 @@ def draw_returns(rows: list[dict[str, float]], path: Path, title: str = "") -> N
     wide = 1.96 * np.nan_to_num(error)
     draw_band(axes, steps, mean, mean - wide, mean + wide, color=colour(0))
     dress(
-        axes, title, xlabel="env steps", ylabel=f"mean return of {int(rows[-1]['episodes'])} greedy episodes"
+        axes,
+        f"{title}; band: 95 % interval".removeprefix("; "),
+        xlabel="env steps",
+        ylabel=f"mean return of {int(rows[-1]['episodes'])} greedy episodes",
     )
     write_figure(figure, path)
