@@ -25,10 +25,10 @@ class ReturnsCallback(EverySteps):
 
     Args:
         every: env steps between two evaluations.
-        env: for the evaluations alone; an episode that its VecEnv begins anew has the next seed.
+        env: for the evaluations alone; its games are seeded when an evaluation begins.
         folder: gets `evaluations.csv`, `learning_curve.png` and `best_model.zip`.
         episodes: of an evaluation.
-        seed: of their first.
+        seed: of the first game; the next one has the next seed.
         title: of the picture.
     """
 

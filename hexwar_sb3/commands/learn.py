@@ -13,7 +13,7 @@ import tyro
 from hexwar_sb3.commands.output import as_json, print_json
 from hexwar_sb3.commands.run_folder import RunFolder, write_text
 from hexwar_sb3.commands.settings import Json, Seed, check_name
-from hexwar_sb3.errors import ConfigError, FileFormatError
+from hexwar_sb3.errors import ConfigError, FileFormatError, shortened
 
 if TYPE_CHECKING:
     from stable_baselines3.common.vec_env import VecEnv
@@ -34,7 +34,7 @@ class Learn:
     """Train QMIX on a cooperative game of another library, with defaults that know nothing of this one.
 
     The run folder has settings.json, evaluations.csv, learning_curve.png, best_model.zip and model.zip; `QMIX.load` reads
-    the models. Ctrl-C saves, and `--resume` goes on; the games that were under way then begin anew.
+    the models. Ctrl-C saves, and `ENV --resume RUN` goes on; the games that were under way then begin anew.
     """
 
     env: Annotated[str, tyro.conf.Positional, tyro.conf.arg(metavar="ENV", help=ENV)] = ""
@@ -46,7 +46,7 @@ class Learn:
     eval_episodes: int = 100  # greedy ones, on the same seeds each time
     name: str = "learn"  # the run folder is RUNS/NAME_k
     runs: Path = Path("runs")  # folder of run folders
-    resume: Path | None = None  # run folder to go on in; all other settings are its own
+    resume: Path | None = None  # run folder of ENV to go on in; all other settings are its own
     progress: bool = False  # show a bar
     json: Json = False
 
@@ -127,7 +127,9 @@ class Learn:
                 )
         except KeyboardInterrupt:
             saved = folder.checkpoint.exists()
-            again = f"; go on with: hexwar learn --resume {folder.path}" if saved else ", not saved"
+            again = (
+                f"; go on with: hexwar learn {self.env} --resume {folder.path}" if saved else ", not saved"
+            )
             print(f"\nstopped{again}")
             return INTERRUPTED
         finally:
@@ -166,6 +168,7 @@ class Learn:
 
         Raises:
             FileFormatError: its settings are broken.
+            ConfigError: it is a run of another env: that no file says which module is imported, the user names it again.
         """
         found: dict[str, Any] = folder.read_config()
         asked = {}
@@ -181,6 +184,11 @@ class Learn:
                     folder.config, name, found=repr(found.get(name)), expected=f"of type {kind.__name__}"
                 )
             asked[name] = found[name]
+        if asked["env"] != self.env:
+            own = shortened(repr(asked["env"]))
+            raise ConfigError(
+                f"{folder.path} is a run of the env {own}: name it before --resume, got {self.env!r}"
+            )
         config = folder.path / "settings.json"
         again = Learn(**asked, config=config, progress=self.progress, json=self.json)
         again.check()

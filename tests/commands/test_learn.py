@@ -96,10 +96,13 @@ def test_a_run_that_was_stopped_goes_on(
     flags = "--n-timesteps", 200, "--eval-freq", 100, "--eval-episodes", 4, "--runs", tmp_path
     assert learn(GAME, "--config", settings, *flags) == 130
     folder = tmp_path / "learn_1"
-    assert f"go on with: hexwar learn --resume {folder}" in capsys.readouterr().out
+    assert f"go on with: hexwar learn {GAME} --resume {folder}" in capsys.readouterr().out
     settings.unlink()
 
-    assert learn("--resume", folder) == 0
+    assert learn("another:Env-v0", "--resume", folder) == 2
+    assert f"is a run of the env {GAME!r}: name it before --resume" in capsys.readouterr().err
+
+    assert learn(GAME, "--resume", folder) == 0
 
     assert max(calls) == 200
     assert [row["env_steps"] for row in read_returns(folder / "evaluations.csv")] == [0, 100, 200]
