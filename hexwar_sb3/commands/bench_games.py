@@ -70,7 +70,7 @@ def tasks_round(world: World, seed: int) -> tuple[float, float]:
     arena = Arena(world, GAMES, Terms())
     for b in range(GAMES):
         arena.begin(b, seed * GAMES + b, None, None)
-    sights = [Sight(world, camp, GAMES) for camp in (Camp.RED, Camp.BLUE)]
+    sights = [Sight(world, GAMES) for _ in (Camp.RED, Camp.BLUE)]
     rng, which, seconds = np.random.default_rng(seed), np.arange(GAMES), 0.0
     while which.size:
         for camp, sight in enumerate(sights):

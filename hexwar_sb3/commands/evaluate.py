@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Annotated, Any, Literal, TypeVar
+from typing import Annotated, Any, Literal
 
 import tyro
 
@@ -19,14 +19,12 @@ from hexwar_sb3.commands.output import (
     table,
     typed,
 )
-from hexwar_sb3.commands.settings import ConstantPlans, DecisionTicks, Games, Json, ScenarioName, Seed
+from hexwar_sb3.commands.settings import AsTrained, ConstantPlans, Games, Json, Seed
 from hexwar_sb3.errors import ConfigError
 from hexwar_sb3.evaluation.matches import Evaluation
 from hexwar_sb3.players.terms import DECISION_TICKS, Terms
 
 PLAYER = "a bot's name, a run folder or a policy folder"
-T = TypeVar("T")
-AsTrained = Annotated[T | None, tyro.conf.arg(help_behavior_hint="(default: as the policy was trained)")]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -40,7 +38,7 @@ class Evaluate:
     opponents: tuple[str, ...] = ("MA1", "MA2")  # bots' names or folders
     # name of a built-in scenario, NAME@SEED for one like it, or path of a file
     scenario: AsTrained[str] = None
-    side: Literal["red", "blue", "both"] = "both"  # camps that the player takes
+    side: AsTrained[Literal["red", "blue", "both"]] = None  # camps that the player takes
     games: Games = 2000
     seed: Seed = 0
     decision_ticks: AsTrained[int] = None  # ticks between two decisions
@@ -49,10 +47,10 @@ class Evaluate:
 
     def run(self) -> int:
         """Play, then print the table."""
-        from hexwar_sb3.evaluation.matches import CAMPS, player_name
+        from hexwar_sb3.evaluation.matches import player_name
         from hexwar_sb3.evaluation.panel import CONSTANT_PLANS, play_panel
         from hexwar_sb3.evaluation.provenance import provenance
-        from hexwar_sb3.players.terms import trained_terms
+        from hexwar_sb3.players.terms import CAMPS_OF, trained_camps, trained_terms
 
         if not self.opponents:
             raise ConfigError("name at least one opponent")
@@ -60,7 +58,7 @@ class Evaluate:
         terms = replace(
             trained_terms(self.player), **{name: value for name, value in given.items() if value is not None}
         )
-        camps = CAMPS if self.side == "both" else (self.side,)
+        camps = CAMPS_OF[self.side] if self.side else trained_camps(self.player)
         how = Evaluation(terms=terms, games=self.games, seed=self.seed, camps=camps)
         compile_first(self.player, *self.opponents, scenario=terms.scenario)
         how.check_fit([self.player], camps)
@@ -85,10 +83,11 @@ class Match:
 
     red: Annotated[str, tyro.conf.Positional, tyro.conf.arg(metavar="RED", help=PLAYER)]
     blue: Annotated[str, tyro.conf.Positional, tyro.conf.arg(metavar="BLUE", help=PLAYER)]
-    scenario: ScenarioName = "plain"
+    # name of a built-in scenario, NAME@SEED for one like it, or path of a file
+    scenario: AsTrained[str] = None
     games: Games = 2000
     seed: Seed = 0
-    decision_ticks: DecisionTicks = DECISION_TICKS
+    decision_ticks: AsTrained[int] = None  # ticks between two decisions
     record: Path | None = None  # file (*.hwr) that gets a game, or folder that gets several, and their page
     record_games: tuple[int, ...] = (0,)  # which, by their numbers from 0
     json: Json = False
@@ -97,20 +96,29 @@ class Match:
         """Play, then print what both camps reached."""
         from hexwar_sb3.evaluation.provenance import provenance
 
-        terms = Terms(scenario=self.scenario, decision_ticks=self.decision_ticks)
+        terms, ticks = self._terms()
         how = Evaluation(terms=terms, games=self.games, seed=self.seed)
         self._check_record()
-        compile_first(self.red, self.blue, scenario=self.scenario)
-        match = how.play(self.red, self.blue)
+        compile_first(self.red, self.blue, scenario=terms.scenario)
+        match = how.play(self.red, self.blue, ticks)
         if self.record is not None:
-            self._record(how, self.record)
+            self._record(how, self.record, ticks)
         summary = match.summary()
         if self.json:
-            print_json({**summary, **provenance(self.scenario)})
+            print_json({**summary, **provenance(terms.scenario)})
         else:
             rows = [[camp, summary[camp]["player"], *result_cells(summary[camp])] for camp in ("red", "blue")]
             print(table(("camp", "player", *COUNTS), rows))
         return 0
+
+    def _terms(self) -> tuple[Terms, tuple[int, int]]:
+        """Terms of the games, of red's training where it says any, else of blue's; ticks between decisions of each."""
+        from hexwar_sb3.players.terms import trained_terms
+
+        blue = trained_terms(self.blue)
+        red = trained_terms(self.red, replace(blue, decision_ticks=DECISION_TICKS))
+        own, its = (self.decision_ticks or each.decision_ticks for each in (red, blue))
+        return replace(red, scenario=self.scenario or red.scenario, decision_ticks=own), (own, its)
 
     def _check_record(self) -> None:
         for number in self.record_games:
@@ -126,12 +134,12 @@ class Match:
         if len(self.record_games) != 1:
             raise ConfigError(f"--record {self.record} is a file for one game; name a folder for several")
 
-    def _record(self, how: Evaluation, place: Path) -> None:
+    def _record(self, how: Evaluation, place: Path, ticks: tuple[int, int]) -> None:
         from hexwar_sb3.commands.albums import save_at_end
         from hexwar_sb3.viewer.album import Album, Clip
 
         for number in self.record_games:
-            replay = how.record(self.red, self.blue, number, command=typed())
+            replay = how.record(self.red, self.blue, number, ticks, command=typed())
             replay.save(place / f"game_{number:06d}.hwr" if self._is_folder(place) else place)
         if self._is_folder(place):
             names = {f"game {number}": place / f"game_{number:06d}.hwr" for number in self.record_games}

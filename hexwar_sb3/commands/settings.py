@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from typing import Annotated
+from typing import Annotated, TypeVar
 
 import tyro
 
@@ -15,6 +15,8 @@ Seed = Annotated[int, tyro.conf.arg(help="0..999999; the same seed gives the sam
 DecisionTicks = Annotated[
     int, tyro.conf.arg(help="ticks between two decisions of a policy; as it was trained")
 ]
+T = TypeVar("T")
+AsTrained = Annotated[T | None, tyro.conf.arg(help_behavior_hint="(default: as the policy was trained)")]
 MOST_JOBS = 1_000  # each is a process that takes some hundred MB
 ConstantPlans = Annotated[
     bool,

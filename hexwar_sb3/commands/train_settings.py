@@ -174,7 +174,7 @@ class TrainSettings:
         for name in self.lower_scenarios:
             if sizes(name) != sizes(self.scenario):
                 raise ConfigError(
-                    f"lower_scenarios: {name} has {sizes(name)} pieces of red, of blue, and control points,"
+                    f"lower_scenarios: {name} has {sizes(name)} pieces in its larger camp, and control points,"
                     f" {self.scenario} has {sizes(self.scenario)}: one upper level gives the tasks in all of them"
                 )
 

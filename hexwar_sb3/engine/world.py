@@ -9,6 +9,9 @@ from functools import cached_property, lru_cache
 from typing import Any, Generic, TypeVar
 from weakref import finalize
 
+import numpy as np
+import numpy.typing as npt
+
 from hexwar_sb3.kernels import Rows
 from hexwar_sb3.maps.cells import TravelTimes
 from hexwar_sb3.maps.files import load_scenario
@@ -78,9 +81,19 @@ class World:
         n_red = sum(piece.camp == Camp.RED for piece in self.scenario.pieces)
         return slice(0, n_red) if camp == Camp.RED else slice(n_red, self.n_pieces)
 
+    @cached_property
+    def sides(self) -> npt.NDArray[np.int64]:
+        """Index of the first piece and behind the last, of red and of blue [2, 2]."""
+        return np.array([(side.start, side.stop) for side in map(self.side, (Camp.RED, Camp.BLUE))])
+
     def piece_names(self, camp: int) -> tuple[str, ...]:
         """Names of a camp's pieces in slot order: "tank0", ..."""
         return tuple(piece.name for piece in self.scenario.pieces[self.side(camp)])
+
+    @property
+    def n_slots(self) -> int:
+        """Slots that a camp's players see: pieces of the larger camp; the last ones of the smaller camp are empty."""
+        return max(len(self.piece_names(camp)) for camp in (Camp.RED, Camp.BLUE))
 
     def force(self, camp: int) -> int:
         """What the pieces of a camp are worth at the start, points."""

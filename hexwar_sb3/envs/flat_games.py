@@ -17,7 +17,6 @@ from hexwar_sb3.kernels import Rows
 from hexwar_sb3.play.arena import Games, Snapshot
 from hexwar_sb3.players.fit import check_actions
 from hexwar_sb3.players.flat import flat_observation
-from hexwar_sb3.rules.enums import Camp
 from hexwar_sb3.rules.indices import CampIndex
 from hexwar_sb3.tasks.features import BOUND
 from hexwar_sb3.tasks.records import MAX_TASKS
@@ -43,7 +42,7 @@ class FlatGames(TaskGames):
     def __init__(self, n_games: int, settings: TaskSettings, seed: int | None = None) -> None:
         super().__init__(n_games, settings, seed)
         shape = self.sight.rows.shape[:2]
-        self._first = np.array([self.arena.world.side(camp).start for camp in (Camp.RED, Camp.BLUE)])
+        self._first = self.arena.world.sides[:, 0]
         self.acting = np.zeros(n_games, np.int64)  # slot of the piece whose turn it is [n]
         self.picked = np.zeros(shape, np.int64)  # task indices of this decision so far [n, N]
         self.answers = np.zeros(shape, np.int64)  # 0 stay, or 1 + a direction in the camp's frame [n, N]
@@ -147,8 +146,8 @@ class FlatGames(TaskGames):
     def _check_slots(self, snapshot: Snapshot, state: State, drives: Rows) -> None:
         super()._check_slots(snapshot, state, drives)
         check_range("answers", snapshot["answers"], 0, N_ANSWERS - 1)
-        acting, n_pieces = snapshot["acting"], self.picked.shape[1]
-        check_range("acting", acting, 0, n_pieces - 1)
+        acting, own = snapshot["acting"], np.diff(self.arena.world.sides, axis=1)[snapshot["camps"], 0]
+        check_range("acting", acting, 0, "last", {"last": own - 1})
         lives = state.pieces.blood[self.all, self._first[snapshot["camps"]] + acting] > 0
         check_all("acting", lives | (state.games.over == 1), acting, "a living piece")
 

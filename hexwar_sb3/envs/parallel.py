@@ -54,9 +54,7 @@ class TaskParallelEnv(ParallelEnv[str, Obs, int]):  # type: ignore[misc]  # Pett
         self._opponent = 0  # of this game, its place in the mixture
         self._rival = self.mixture.players[0]  # of this game
         self.arena, self._net = Arena(world, 1, settings), settings.reward == "net"
-        self.sights = {
-            camp: Sight(world, camp, 1, dtype=settings.dtype, with_state=True) for camp in self.camps
-        }
+        self.sights = {camp: Sight(world, 1, dtype=settings.dtype, with_state=True) for camp in self.camps}
         self.possible_agents = [
             f"{camp_name(camp)}:{name}" for camp in self.camps for name in world.piece_names(camp)
         ]

@@ -15,7 +15,7 @@ from hexwar_sb3.engine.fields import check_all, check_form, check_names, check_r
 from hexwar_sb3.engine.records import NEVER, NO_CELL, NO_PIECE
 from hexwar_sb3.engine.roster import parse_camp
 from hexwar_sb3.envs.route_settings import RANDOM_UPPER, RouteSettings
-from hexwar_sb3.envs.task_games import CAMPS_OF, TaskGames
+from hexwar_sb3.envs.task_games import TaskGames
 from hexwar_sb3.envs.turns import NO_FOCUS, send_away, take_turns
 from hexwar_sb3.errors import ConfigError
 from hexwar_sb3.kernels import Rows
@@ -25,7 +25,7 @@ from hexwar_sb3.play.seeds import rng_array, rng_state
 from hexwar_sb3.players.fit import check_fit, check_tasks
 from hexwar_sb3.players.frozen_lower import FrozenLower, Lower
 from hexwar_sb3.players.player import BotPlayer, Player, given_name, make_player
-from hexwar_sb3.rules.enums import Camp
+from hexwar_sb3.players.terms import CAMPS_OF
 from hexwar_sb3.tasks.features import PER_HOP, feature_index
 from hexwar_sb3.tasks.records import ENDED, TaskKind
 from hexwar_sb3.tasks.route import N_ANSWERS, STAY, new_route_buffers
@@ -159,7 +159,7 @@ class RouteGames:
         """Check in these games, at their start, that somebody can leave his cell: nobody waits for those who never can."""
         if not which.size:
             return
-        pieces = self._own_pieces(which)
+        pieces, _ = self._own_pieces(which)
         _, masks = self.arena.look_routes(which.repeat(pieces.shape[1]), pieces.ravel(), ways=False)
         if not masks[:, STAY + 1 :].any():
             name = self.arena.world.scenario.name
@@ -206,7 +206,7 @@ class RouteGames:
         if not which.size:
             return
         self.arena.ask(which.tolist())  # an opponent that is a policy
-        pieces = self._own_pieces(which)
+        pieces, there = self._own_pieces(which)
         at = which[:, None], pieces
         before = self.arena.missions[at].copy().view(np.recarray)
         obs = {key: value[which] for key, value in self.tasks.look(which).items()}
@@ -220,19 +220,19 @@ class RouteGames:
         kept |= (pieces == self.focus.piece[which, None]) & (
             self.focus.hops[which, None] <= 1
         )  # a hop at least
-        kept &= (before.state != ENDED) & (before.chosen_at >= 0)
+        kept &= there & (before.state != ENDED) & (before.chosen_at >= 0)
         self.arena.missions[which.repeat(pieces.shape[1])[kept.ravel()], pieces[kept]] = before[kept]
         wanders = ~kept & (self.rng.random(pieces.shape) < self.settings.wander)
-        wanders |= self._idle[which, None]
+        wanders = there & (wanders | self._idle[which, None])
         self._wander(which.repeat(pieces.shape[1])[wanders.ravel()], pieces[wanders])
         self.arena.missions.chosen_at[at] = self.arena.state.games.tick[which][:, None]
 
-    def _own_pieces(self, which: Games) -> NDArray[np.int64]:
-        """Numbers of the learner's pieces in each game [n, N]."""
-        sides = [self.arena.world.side(camp) for camp in (Camp.RED, Camp.BLUE)]
-        start = np.array([side.start for side in sides])[self.tasks.camps[which]]
-        side = sides[int(self.tasks.camps[which[0]])]
-        return np.asarray(start[:, None] + np.arange(side.stop - side.start))
+    def _own_pieces(self, which: Games) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
+        """Numbers of the learner's pieces in each game [n, N], and where there is one: an empty slot names the first."""
+        first, end = self.arena.world.sides[self.tasks.camps[which]].T
+        pieces = first[:, None] + np.arange(self.arena.world.n_slots)
+        there = pieces < end[:, None]
+        return np.where(there, pieces, first[:, None]), there
 
     def _random_tasks(self, mask: NDArray[np.bool_]) -> NDArray[np.int64]:
         """Draw a valid task for every piece: mask [..., K] -> [...]."""
@@ -318,11 +318,11 @@ class RouteGames:
 
     def _take_turns(self, which: Games) -> None:
         """Make the next piece that has somewhere to go the focal one, where the focal one has not."""
-        own = self._own_pieces(which)
+        first, end = self.arena.world.sides[self.tasks.camps[which]].T
         take_turns(
             which,
-            own[:, 0],
-            own.shape[1],
+            first,
+            end,
             self._pieces,
             self.arena.missions,
             self.focus.piece,
@@ -397,8 +397,7 @@ class RouteGames:
         for name in _TASK_FIELDS:
             its = snapshot[f"focus_{name}"]
             check_all(f"focus_{name}", its == mission[name], its, "what the piece's task has")
-        sides = [world.side(camp) for camp in (Camp.RED, Camp.BLUE)]
-        own = np.array([side.stop - side.start for side in sides])[snapshot["camps"]]
+        own = np.diff(world.sides, axis=1)[snapshot["camps"], 0]
         check_range("focus_turn", snapshot["focus_turn"], -1, "last", {"last": own - 1})
         check_range("focus_hops", snapshot["focus_hops"], 0, "tick", {"tick": state.games.tick})
 

@@ -41,6 +41,7 @@ from hexwar_sb3.players.player import (
     member_of,
     same_player,
 )
+from hexwar_sb3.players.terms import CAMPS_OF
 from hexwar_sb3.rules.enums import Camp
 from hexwar_sb3.rules.indices import CampIndex
 from hexwar_sb3.tasks.features import BOUND, feature_index
@@ -48,7 +49,6 @@ from hexwar_sb3.tasks.records import MAX_TASKS
 
 Obs = dict[str, NDArray[Any]]
 
-CAMPS_OF = {"red": ("red",), "blue": ("blue",), "both": ("red", "blue")}  # that a side stands for
 _UNDER_WAY = feature_index("row", 1, 1, 1)["task: under way"].start  # column of a task row
 
 _DEMO_STREAM, _WARM_STREAM = 2, 3  # of an episode's draws; 1 is the opponent's
@@ -453,15 +453,8 @@ class TaskGames:
             recorded.choose(self.arena, b, camp, until, self.sight, b)
 
     def _new_sight(self) -> Sight:
-        camp = Camp.BLUE if self.settings.side == "blue" else Camp.RED
-        world = self.arena.world
-        if self.settings.side == "both" and len(world.piece_names(camp)) != len(
-            world.piece_names(enemy_of(camp))
-        ):
-            raise ConfigError("side='both' needs equally many pieces in both camps")
-        return Sight(
-            world, camp, self.n_games, dtype=self.settings.dtype, with_state=self.settings.privileged_state
-        )
+        with_state = self.settings.privileged_state
+        return Sight(self.arena.world, self.n_games, dtype=self.settings.dtype, with_state=with_state)
 
 
 def check_pieces(world: World) -> None:

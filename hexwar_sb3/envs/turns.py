@@ -28,7 +28,7 @@ def may_go(piece: PieceRecord, mission: MissionRecord) -> bool:
 def take_turns(
     which: NDArray[np.int64],
     first: NDArray[np.int64],
-    n_own: int,
+    end: NDArray[np.int64],
     pieces: Rows,
     missions: Rows,
     focus: NDArray[np.int64],
@@ -39,7 +39,7 @@ def take_turns(
     Args:
         which: games [n].
         first: the learner's first piece in each of them [n].
-        n_own: number of the learner's pieces in a game.
+        end: behind the learner's last piece in each of them [n].
         pieces: of all games [B, P].
         missions: of all games [B, P].
         focus: focal piece of every game, changed in place [B].
@@ -49,6 +49,7 @@ def take_turns(
         b = which[row]
         if focus[b] != NO_FOCUS and may_go(pieces[b, focus[b]], missions[b, focus[b]]):
             continue
+        n_own = end[row] - first[row]
         for k in range(1, n_own + 1):
             slot = (turn[b] + k) % n_own
             i = first[row] + slot

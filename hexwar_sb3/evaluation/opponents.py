@@ -47,11 +47,11 @@ def _knows_the_rules(policy: str) -> bool:
 
 
 @cache
-def sizes(scenario: ScenarioLike) -> tuple[int, int, int]:
-    """Number of red's pieces, of blue's, and of control points; a policy fits where they are its own."""
+def sizes(scenario: ScenarioLike) -> tuple[int, int]:
+    """Number of the larger camp's pieces, and of control points; a policy fits where they are its own."""
     start = scenario if isinstance(scenario, Scenario) else load_scenario(scenario)
     red = sum(piece.camp == Camp.RED for piece in start.pieces)
-    return red, len(start.pieces) - red, len(start.points)
+    return max(red, len(start.pieces) - red), len(start.points)
 
 
 def named(opponents: Sequence[str]) -> list[str]:

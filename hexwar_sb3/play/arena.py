@@ -149,12 +149,13 @@ class Arena:
         Raises:
             ConfigError: they are none, or of another shape.
         """
-        answers = check_actions(answers, (len(which), len(self.world.piece_names(int(camps[0])))))
+        answers = check_actions(answers, (len(which), self.world.n_slots))
         if ((answers < 0) | (answers >= N_ANSWERS)).any():
             raise ConfigError(f"answers must be in 0..{N_ANSWERS - 1}, got {answers.tolist()}")
         for b, camp, kept in zip(which, camps, answers, strict=True):
             self.drives[b].lower[camp] = KEPT
-            self.drives[b].kept[self.world.side(int(camp))] = kept
+            own = self.world.side(int(camp))
+            self.drives[b].kept[own] = kept[: own.stop - own.start]
 
     def lead_outside(self, which: Games, pieces: NDArray[np.bool_]) -> None:
         """Let the caller answer for some pieces of these games, and no others: `advance` stops where they ask.
@@ -306,7 +307,7 @@ class Arena:
     def sight(self, camp: int) -> Sight:
         """What the players of a camp that were last asked saw."""
         if camp not in self._sights:
-            self._sights[camp] = Sight(self.world, camp, self.n_games)
+            self._sights[camp] = Sight(self.world, self.n_games)
         return self._sights[camp]
 
     def name_missions(
@@ -323,7 +324,7 @@ class Arena:
 
     def name_moves(self, b: int, camp: CampIndex) -> NDArray[np.int64]:
         """Answers [N] that lead the camp's pieces where their paths lead next in game b."""
-        answers = np.zeros(len(self.world.piece_names(camp)), np.int64)
+        answers = np.zeros(self.world.n_slots, np.int64)
         name_moves(
             camp, self.state.games[b], self.state.pieces[b], self.state.paths[b], self.world.cells, answers
         )

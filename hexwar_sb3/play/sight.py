@@ -15,7 +15,7 @@ from hexwar_sb3.play.drive import ended_tasks
 from hexwar_sb3.play.records import DriveRecord
 from hexwar_sb3.rules.indices import CampIndex, CellIndex
 from hexwar_sb3.tasks.choose import choose_tasks
-from hexwar_sb3.tasks.features import camp_sizes
+from hexwar_sb3.tasks.features import world_sizes
 from hexwar_sb3.tasks.observe import global_state, observe
 from hexwar_sb3.tasks.records import MAX_TASKS, TASK, MissionRecord, Missions
 from hexwar_sb3.tasks.route import STAY, observe_route
@@ -23,27 +23,23 @@ from hexwar_sb3.tasks.sets import list_tasks
 
 
 class Sight:
-    """Buffers for one observation of `n` games by a camp, filled in place.
+    """Buffers for one observation of `n` games by a camp each, filled in place.
 
     Args:
-        world: scenario and rules; both camps must have equally many pieces if both are to look.
-        camp: whose pieces are counted.
+        world: scenario and rules; either camp may look, N is the pieces of the larger one.
         n: games.
         dtype: float32 or float16, of everything but masks.
         with_state: also the mixer's true state.
     """
 
-    def __init__(
-        self, world: World, camp: int, n: int, *, dtype: str = "float32", with_state: bool = False
-    ) -> None:
-        width = camp_sizes(world, camp)
-        n_own = len(world.piece_names(camp))
-        self.rows = np.zeros((n, n_own, MAX_TASKS), TASK).view(np.recarray)
+    def __init__(self, world: World, n: int, *, dtype: str = "float32", with_state: bool = False) -> None:
+        width, slots = world_sizes(world), world.n_slots
+        self.rows = np.zeros((n, slots, MAX_TASKS), TASK).view(np.recarray)
         self._full: dict[str, NDArray[Any]] = {
-            "obs": np.zeros((n, n_own, width.obs), np.float32),
-            "tasks": np.zeros((n, n_own, MAX_TASKS, width.row), np.float32),
-            "action_mask": np.zeros((n, n_own, MAX_TASKS), np.int8),
-            "alive": np.zeros((n, n_own), np.float32),
+            "obs": np.zeros((n, slots, width.obs), np.float32),
+            "tasks": np.zeros((n, slots, MAX_TASKS, width.row), np.float32),
+            "action_mask": np.zeros((n, slots, MAX_TASKS), np.int8),
+            "alive": np.zeros((n, slots), np.float32),
             "state": np.zeros((n, width.state if with_state else 0), np.float32),
         }
         self.obs = {key: _in_dtype(value, dtype) for key, value in self._full.items()}

@@ -16,7 +16,7 @@ from hexwar_sb3.players.flat import FlatPlayer
 from hexwar_sb3.players.frozen import FrozenPolicy
 from hexwar_sb3.players.player import BotPlayer, ModelPlayer, Seat, seat_name
 from hexwar_sb3.rules.enums import Camp
-from hexwar_sb3.tasks.features import camp_sizes
+from hexwar_sb3.tasks.features import world_sizes
 from hexwar_sb3.tasks.records import MAX_TASKS
 from hexwar_sb3.tasks.route import N_ANSWERS
 
@@ -35,17 +35,17 @@ def check_fit(seat: Seat, world: World, camp: int, name: str | None = None) -> N
     Raises:
         ConfigError: it is for other pieces, tasks or features; with the expected sizes and its own.
     """
-    problem = why_unfit(seat, world, camp)
+    problem = why_unfit(seat, world)
     if problem:
         where = f"{camp_name(Camp(camp))} of scenario {world.scenario.name!r}"
         raise ConfigError(f"player {name or seat_name(seat)!r} cannot play {where}: {problem}")
 
 
-def why_unfit(seat: Seat, world: World, camp: int) -> str | None:
-    """Say what does not fit, or None."""
+def why_unfit(seat: Seat, world: World) -> str | None:
+    """Say what does not fit in either camp of a world, or None."""
     if isinstance(seat, BotPlayer):
         return None
-    shapes = _shapes(world, camp)
+    shapes = _shapes(world)
     pieces, tasks = shapes["action_mask"]
     if isinstance(seat, FrozenPolicy):
         found = (seat.n_pieces, seat.n_tasks, seat.sizes["obs"], seat.sizes["task"])
@@ -64,9 +64,9 @@ def why_unfit(seat: Seat, world: World, camp: int) -> str | None:
     return None
 
 
-def _shapes(world: World, camp: int) -> dict[str, Shape]:
-    """What a camp's player sees, apart from the axis of games."""
-    width, pieces = camp_sizes(world, camp), len(world.piece_names(camp))
+def _shapes(world: World) -> dict[str, Shape]:
+    """What a player of either camp sees, apart from the axis of games."""
+    width, pieces = world_sizes(world), world.n_slots
     return {
         "obs": (pieces, width.obs),
         "tasks": (pieces, MAX_TASKS, width.row),

@@ -17,6 +17,7 @@ from hexwar_sb3.tasks.spots import SPOTS
 Settings = TypeVar("Settings")
 DECISION_TICKS = 75  # Delta-t of the paper (IV); a setting, not a rule
 DECISIONS = ("fixed", "event")
+CAMPS_OF = {"red": ("red",), "blue": ("blue",), "both": ("red", "blue")}  # that a side stands for
 MAX_DIGITS = 6  # of a number in a policy's folder
 
 
@@ -101,6 +102,20 @@ def trained_terms(player: object, usual: Terms = USUAL) -> Terms:
         raise PolicyFileError(
             str(player), "about", found=str(error), expected="how it was trained"
         ) from error
+
+
+def trained_camps(player: object) -> tuple[str, ...]:
+    """Camps that a policy was trained to play, as far as its folder says; else both.
+
+    Raises:
+        PolicyFileError: it says something else; and as `make_player`.
+    """
+    side = getattr(make_player(player), "about", {}).get("side", "both")
+    if side not in CAMPS_OF:
+        raise PolicyFileError(
+            str(player), "about.side", found=shortened(repr(side)), expected="red, blue or both"
+        )
+    return CAMPS_OF[side]
 
 
 def _whole(folder: str, name: str, text: str) -> int:

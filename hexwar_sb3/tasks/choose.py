@@ -7,7 +7,7 @@ import numpy as np
 from hexwar_sb3.engine.records import NO_CELL, NO_PIECE, GameRecord
 from hexwar_sb3.kernels import Rows, kernel
 from hexwar_sb3.rules.indices import CampIndex, CellIndex, PieceIndex, piece_range
-from hexwar_sb3.tasks.known import first_piece
+from hexwar_sb3.tasks.known import end_piece, first_piece
 from hexwar_sb3.tasks.records import (
     ENDED,
     MISSION,
@@ -83,11 +83,11 @@ def choose_tasks(
     """Give every piece of a camp the row that its action names.
 
     Args:
-        actions: rows of the task sets, [N]; an invalid one stands for row 0, stop.
+        actions: rows of the task sets, [N]; an invalid one stands for row 0, stop; those of empty slots for nothing.
         tasks: task sets of the camp, [N, K] TASK; mask: [N, K], 1 where valid.
     """
     first = first_piece(camp, game)
-    for n in range(actions.size):
+    for n in range(end_piece(camp, game) - first):
         row = int(actions[n])
         if row < 0 or row >= tasks.shape[1] or mask[n, row] == 0:
             row = 0

@@ -2,7 +2,8 @@
 
 `observe.py` writes them in this order; every number is multiplied by its scale. Everything is in
 the camp's frame: for blue, cells are mirrored and directions run by the mirrored table.
-Counts of pieces and points are the scenario's, so `sizes` needs them.
+Counts of pieces and points are the scenario's, so `sizes` needs them. Both camps have as many slots as the larger one
+has pieces; whatever is said of an empty slot is 0.
 """
 
 from __future__ import annotations
@@ -188,7 +189,7 @@ TITLES = {
 
 @dataclass(frozen=True, kw_only=True)
 class Sizes:
-    """Widths for one camp of one scenario."""
+    """Widths for either camp of one scenario."""
 
     obs: int  # Do
     row: int  # Dt
@@ -267,10 +268,9 @@ def _width(groups: tuple[Group, ...], counts: Mapping[Times, int]) -> int:
     return sum(_feature_width(feature, counts) for _, feature in _walk(groups, counts))
 
 
-def camp_sizes(world: World, camp: int) -> Sizes:
-    """Widths of the arrays that a camp of this world sees."""
-    own, enemies = world.piece_names(camp), world.piece_names(1 - camp)
-    return sizes(len(own), len(enemies), len(world.scenario.points))
+def world_sizes(world: World) -> Sizes:
+    """Widths of the arrays that either camp of this world sees."""
+    return sizes(world.n_slots, world.n_slots, len(world.scenario.points))
 
 
 ROUTE_WIDTH = sizes(1, 1, 1).route

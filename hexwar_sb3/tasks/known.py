@@ -31,6 +31,12 @@ def end_piece(camp: CampIndex, game: GameRecord) -> PieceIndex:
 
 
 @kernel
+def n_slots(game: GameRecord) -> int:
+    """Slots of either camp: pieces of the larger one."""
+    return int(max(game.n_red, game.n_pieces - game.n_red))
+
+
+@kernel
 def ticks_left(ends: int, tick: int) -> int:
     """The view of an end tick as a counter: 0 when it does not run."""
     if ends == NEVER or ends <= tick:

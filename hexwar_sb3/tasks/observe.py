@@ -31,7 +31,7 @@ from hexwar_sb3.tasks.features import (
     PER_VALUE,
     PER_WAY,
 )
-from hexwar_sb3.tasks.known import age, end_piece, first_piece, known_in_zone, ticks_left
+from hexwar_sb3.tasks.known import age, end_piece, first_piece, known_in_zone, n_slots, ticks_left
 from hexwar_sb3.tasks.records import MissionRecord, Missions, TaskSets
 from hexwar_sb3.tasks.shots import best_shot
 from hexwar_sb3.tasks.task_rows import N_TASKS, N_TYPES, bounded, put_way, write_rows
@@ -43,17 +43,18 @@ def observe(
     camp: CampIndex, game: GameRecord, pieces: Pieces, memory: Memory, missions: Missions, rules: RulesRecord, cells: Cells, los: Sightlines, eta: TravelTimes,
     tasks: TaskSets, mask: Rows, obs: Rows, rows: Rows, alive: Rows,
 ) -> None:  # fmt: skip
-    """Write one camp's observation (fogged, in the camp's frame).
+    """Write one camp's observation (fogged, in the camp's frame); an empty slot reads as a destroyed piece.
 
     Args:
         tasks, mask: the camp's task sets, from `list_tasks`, [N, K].
         obs: out, f4 [N, Do]; rows: out, f4 [N, K, Dt]; alive: out, f4 [N].
     """
     first = first_piece(camp, game)
+    obs[:] = 0.0
+    rows[:] = 0.0
+    alive[:] = 0.0
     for n in range(end_piece(camp, game) - first):
         i = PieceIndex(first + n)
-        obs[n, :] = 0.0
-        rows[n, :, :] = 0.0
         alive[n] = 1.0 if pieces[i].blood > 0 else 0.0
         if pieces[i].blood > 0:
             at = _put_self(obs[n], i, game, pieces, memory, missions, rules, cells)
@@ -77,10 +78,9 @@ def _put_self(
     cells: Cells,
 ) -> int:
     piece = pieces[i]
-    first, end = first_piece(piece.camp, game), end_piece(piece.camp, game)
     out[piece.kind] = 1.0
-    out[N_TYPES + i - first] = 1.0
-    at = N_TYPES + end - first
+    out[N_TYPES + i - first_piece(piece.camp, game)] = 1.0
+    at = N_TYPES + n_slots(game)
     framed = frame_cell(cells, piece.cell, piece.camp)
     out[at] = cells[framed].x * PER_CELL - 1.0
     out[at + 1] = cells[framed].y * PER_CELL - 1.0
@@ -188,7 +188,7 @@ def _put_neighbours(out: Rows, at: int, piece: PieceRecord, rules: RulesRecord, 
 
 @kernel
 def _put_own(out: Rows, at: int, i: PieceIndex, game: GameRecord, pieces: Pieces, cells: Cells) -> int:
-    camp = pieces[i].camp
+    camp, start = pieces[i].camp, at
     for k in piece_range(first_piece(camp, game), end_piece(camp, game)):
         other = pieces[k]
         if other.blood > 0:
@@ -199,7 +199,7 @@ def _put_own(out: Rows, at: int, i: PieceIndex, game: GameRecord, pieces: Pieces
             out[at + 6] = other.suppressed
             out[at + 7] = other.hidden
         at += 8
-    return at
+    return start + 8 * n_slots(game)
 
 
 @kernel
@@ -207,7 +207,7 @@ def _put_enemies(
     out: Rows, at: int, i: PieceIndex, game: GameRecord, pieces: Pieces, memory: Memory, cells: Cells
 ) -> int:
     """u(sigma, t): the enemies as the camp last saw them (III-A)."""
-    camp = pieces[i].camp
+    camp, start = pieces[i].camp, at
     for j in piece_range(first_piece(CampIndex(1 - camp), game), end_piece(CampIndex(1 - camp), game)):
         known = memory[camp, j]
         if known.cell == NO_CELL:
@@ -224,7 +224,7 @@ def _put_enemies(
             out[at + 10] = known.suppressed
             out[at + 11] = known.moving
         at += 12
-    return at
+    return start + 12 * n_slots(game)
 
 
 @kernel
@@ -273,11 +273,12 @@ def global_state(
 ) -> None:
     """Write the true state, for the mixer in training only: f4 [Ds], in the camp's frame."""
     state[:] = 0.0
-    at = 0
     for side in camp_range(2):
         whose = camp if side == Camp.RED else CampIndex(1 - camp)
+        at = int(side) * n_slots(game) * 9
         for i in piece_range(first_piece(whose, game), end_piece(whose, game)):
             at = _put_true(state, at, i, camp, game, pieces, cells)
+    at = 2 * n_slots(game) * 9
     for k in point_range(game.n_points):
         at = _put_owner(state, at, camp, game.point_owner[k])
     _put_game(state, at, camp, game, margin(game, pieces, camp, rules))

@@ -36,14 +36,14 @@ def list_tasks(
 
     Args:
         spots: `spots.load_spots(...)`, [2, S] cells per camp, in the order of the camp's frame.
-        tasks: out, [N, K] TASK; row 0 is always stop.
+        tasks: out, [N, K] TASK; row 0 is always stop, the only one of an empty slot.
         mask: out, i1 [N, K], 1 where the row is valid.
     """
-    first = first_piece(camp, game)
+    first, end = first_piece(camp, game), end_piece(camp, game)
     draft = np.empty((_OTHERS + _SPOT_KINDS * spots.shape[1] + _PIECE_KINDS * pieces.size, 4), np.int32)
-    for n in range(end_piece(camp, game) - first):
+    for n in range(tasks.shape[0]):
         count = _add(draft, 0, TaskKind.STOP, NO_PIECE, NO_CELL, 0)
-        if on_map(pieces[PieceIndex(first + n)]):
+        if first + n < end and on_map(pieces[PieceIndex(first + n)]):
             count = _list_own(PieceIndex(first + n), game, pieces, rules, draft, count)
             count = _list_spots(PieceIndex(first + n), pieces, rules, cells, eta, spots[camp], draft, count)
             count = _list_targets(

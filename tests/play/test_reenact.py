@@ -133,7 +133,7 @@ def test_the_tasks_of_a_recorded_policy_are_those_that_it_chose(world: World, tm
         for line in replay.lines
         if line["type"] == "decision" and line["camp"] == "red"
     }
-    arena, sight, checked = Arena(world, 1), Sight(world, Camp.RED, 1), 0
+    arena, sight, checked = Arena(world, 1), Sight(world, 1), 0
     arena.begin(0, game.seed, *game.seats(Camp.RED))
     names = world.piece_names(Camp.RED)
     while not arena.state.games[0].over:
