@@ -35,7 +35,7 @@ class Hotspots:
     red: str = "MA1"  # player of --games: a bot's name, a run folder or a policy folder
     blue: str = "MA2"  # its opponent, named likewise
     seed: Seed = 0  # of --games, in the range of training games
-    k: int = 6  # spots beside the control points
+    k: int | None = None  # spots beside the control points; else 6, or as many as were visited
     out: Path | None = None  # file (*.json) that gets spots, hull, visits and walls
     picture: Path | None = None  # picture of them (png, svg or pdf)
     json: Json = False
@@ -84,7 +84,8 @@ class Hotspots:
 
         count = VisitCount()
         if self.games:
-            check_spots(load_world(self.scenario), self.k)
+            if self.k is not None:
+                check_spots(load_world(self.scenario), self.k)
             compile_first(self.red, self.blue, scenario=self.scenario)
             with games_bar(len(self._pairs()) * self.games) as progress:
                 for replay in self._played():

@@ -173,15 +173,20 @@ class _Stays:
         return int(self.world.cells[here].hop_ticks[hop_class, direction])
 
 
-def hot_spots(world: World, visits: Ints, k: int = SPOTS, *, source: str) -> HotSpots:
+def hot_spots(world: World, visits: Ints, k: int | None = None, *, source: str) -> HotSpots:
     """Choose G^L(k) by visits [camp, NC], with its hull and the map's boundaries.
 
+    Args:
+        k: spots beside the control points; None: the usual number, or as many as were visited if they are fewer.
+
     Raises:
-        ConfigError: k is out of range, or fewer than k cells were visited.
+        ConfigError: k is out of range, or fewer than k cells were visited; none was.
     """
-    check_spots(world, k)
     cells = [ranked(world, camp, visits[camp]) for camp in SIDES]
     least = min(map(len, cells))
+    if k is None:
+        k = max(1, min(SPOTS, least))
+    check_spots(world, k)
     if least < k:
         raise ConfigError(f"k is {k}, but only {least} cells were visited: count more games")
     counted = [_by_visits(world, camp, visits[camp]) for camp in SIDES]

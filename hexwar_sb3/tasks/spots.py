@@ -103,7 +103,7 @@ def static_spots(world: World, camp: int, k: int) -> list[int]:
     allowed = reachable(world, points)
     for ring, point in islice(cycle(product(RINGS, points)), k):
         free = allowed & away_from(world, [*points, *chosen])
-        chosen.append(_best_cell(world, camp, ring, point, free))
+        chosen.append(_best_cell(world, camp, ring, point, free if free.any() else allowed))
     return chosen
 
 
@@ -160,9 +160,11 @@ def _seen_from(world: World, cell: int) -> Bools:
 
 
 def _best_cell(world: World, camp: int, ring: Ring, point: int, free: Bools) -> int:
-    """The cell of highest score in a ring; ties go to the lower cell number in the camp's frame."""
+    """The free cell of highest score in a ring, or anywhere if it has none; ties go to the lower number in the camp's frame."""
     apart = _apart(world, point)
     inside = free & (ring.nearest <= apart) & (apart <= ring.farthest)
+    if not inside.any():
+        inside = free
     score = np.where(inside, _scores(world, camp, ring, point), -np.inf)
     numbers = np.arange(score.size) if camp == Camp.RED else world.cells.mirror
     return int(np.lexsort((numbers, -score))[0])

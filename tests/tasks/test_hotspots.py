@@ -170,6 +170,9 @@ def test_too_few_visited_cells_for_k_are_refused() -> None:
 
     with pytest.raises(ConfigError, match="k is 2, but only 1 cells were visited: count more games"):
         hot_spots(world, visits, 2, source="a test")
+    assert [len(camp.cells) for camp in hot_spots(world, visits, source="a test").camps] == [1, 1]
+    with pytest.raises(ConfigError, match="k is 1, but only 0 cells were visited"):
+        hot_spots(world, np.zeros_like(visits), source="a test")
 
 
 @pytest.mark.parametrize(

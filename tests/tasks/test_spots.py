@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from hexwar_sb3.engine.game import Game
 from hexwar_sb3.engine.world import load_world
 from hexwar_sb3.errors import ConfigError, FileFormatError
 from hexwar_sb3.maps.files import builtin_names
@@ -72,6 +73,14 @@ def test_the_static_rule_looks_in_its_rings_with_lines_of_sight(board: Board) ->
         ring, point = RINGS[k // 2], points[k % 2]
         assert ring.nearest <= spots._apart(board.world, point)[cell] <= ring.farthest
     assert sum(spots._seen_from(board.world, points[k % 2])[cell] for k, cell in enumerate(chosen)) >= 4
+
+
+def test_a_ring_that_leaves_the_map_takes_cells_of_the_map() -> None:
+    world = Game.from_text("map plain-9x5\npoint main 0503 80\nred tank 0103\nblue tank 0903").world
+    for camp in (Camp.RED, Camp.BLUE):
+        chosen = static_spots(world, camp, 6)
+        assert len(set(chosen)) == 6
+        assert (world.cells.passable[chosen] == 1).all()
 
 
 def test_each_camp_gets_the_static_rule_in_its_own_frame(board: Board) -> None:
