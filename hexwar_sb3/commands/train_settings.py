@@ -17,9 +17,9 @@ from hexwar_sb3.errors import ConfigError, FileFormatError, HexWarError, Unknown
 from hexwar_sb3.evaluation.opponents import broad_mixture, named, sizes, with_weights
 from hexwar_sb3.evaluation.seeds import Purpose
 from hexwar_sb3.kinds import read_fields
-from hexwar_sb3.maps.files import builtin_names
+from hexwar_sb3.maps.spec import STANDARD
 
-LOWER_SCENARIOS = (*builtin_names(), "hills@1", "hills@2", "hills@3", "hills@4", "hills@5")
+LOWER_SCENARIOS = (*STANDARD, "hills@1", "hills@2", "hills@3", "hills@4", "hills@5")
 """Maps that the lower level learns on, so that it finds its way on those that it never saw."""
 LEARNED = "learned"  # `lower`: the model's own
 LOWERS = (LEARNED, "heuristic")

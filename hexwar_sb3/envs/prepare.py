@@ -20,7 +20,7 @@ _END_WITH_PARENT = (
     "import os, threading; "
     "threading.Thread(target=lambda: os.read(0, 1) or os._exit(1), daemon=True).start(); "
 )
-LOCK = "compiling.lock"  # in the cache folder
+LOCK = "{}.lock"  # in the cache folder, one for each compiler: who waits will use what is made
 _PARTS = ("play", "look")  # about 80 and 25 s of one core
 
 
@@ -40,7 +40,7 @@ def prepare(say: Callable[[str], object]) -> None:
         if place is None:
             say("compiling the game for this process alone: about two minutes")
             return
-        with _alone(place / LOCK, say):
+        with _alone(place / LOCK.format(toolchain()), say):
             if not _is_prepared():  # who held the lock may have done it
                 say("compiling the game for this machine and this Python, once: about two minutes")
                 if _compile():

@@ -22,7 +22,7 @@ from hexwar_sb3.evaluation.panel import CONSTANT_PLANS
 from hexwar_sb3.evaluation.provenance import provenance
 from hexwar_sb3.evaluation.seeds import Purpose, seed_for
 from hexwar_sb3.files import replacing
-from hexwar_sb3.maps.files import builtin_names
+from hexwar_sb3.maps.spec import STANDARD
 from hexwar_sb3.play.match import MatchGames, play_games
 from hexwar_sb3.players.terms import Terms
 from hexwar_sb3.rules.enums import Action, Camp
@@ -42,7 +42,7 @@ class Accept:
 
     games: int = 2000  # a pairing and colour; twice as many of a player against itself
     seed: int = 0
-    scenarios: tuple[str, ...] = tuple(builtin_names())
+    scenarios: tuple[str, ...] = STANDARD
     out: Path | None = None  # JSON file
 
     def run(self) -> int:

@@ -21,7 +21,7 @@ from hexwar_sb3.bots.registry import DRAWN_VERSION, FAMILIES
 from hexwar_sb3.evaluation.acceptance import FIRST_GAMES, LEAST_USED, put_out
 from hexwar_sb3.evaluation.provenance import provenance
 from hexwar_sb3.evaluation.seeds import Purpose, seed_for
-from hexwar_sb3.maps.files import builtin_names
+from hexwar_sb3.maps.spec import STANDARD
 from hexwar_sb3.play.match import play_games
 from hexwar_sb3.players.terms import Terms
 from hexwar_sb3.rules.enums import Action
@@ -39,7 +39,7 @@ class AcceptDrawn:
     members: int = 100  # of each family
     games: int = 50  # a member and colour
     seed: int = 0
-    scenarios: tuple[str, ...] = tuple(builtin_names())
+    scenarios: tuple[str, ...] = STANDARD
     out: Path | None = None  # JSON file
 
     def run(self) -> int:

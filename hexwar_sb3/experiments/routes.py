@@ -18,10 +18,11 @@ from hexwar_sb3.evaluation.provenance import provenance
 from hexwar_sb3.evaluation.routes import measure_routes
 from hexwar_sb3.evaluation.seeds import Purpose, seed_for
 from hexwar_sb3.files import replacing
-from hexwar_sb3.maps.files import builtin_names, load_map, load_scenario
+from hexwar_sb3.maps.files import load_map, load_scenario
 from hexwar_sb3.maps.generator import standard_scenario
 from hexwar_sb3.maps.hexmap import LAYERS, HexMap
 from hexwar_sb3.maps.scenario import Scenario
+from hexwar_sb3.maps.spec import STANDARD
 
 UNSEEN_SEED = 1001  # of the generator; the built-in maps have others
 
@@ -47,7 +48,7 @@ def _joined(west: HexMap, east: HexMap) -> HexMap:
 
 def scenarios() -> dict[str, Scenario]:
     """Maps of the report: the built-in ones, and two that nobody trains on."""
-    known = {name: load_scenario(name) for name in builtin_names()}
+    known = {name: load_scenario(name) for name in STANDARD}
     return {**known, "unseen": unseen(), "asymmetric": asymmetric()}
 
 

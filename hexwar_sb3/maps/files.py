@@ -13,11 +13,12 @@ from typing import Any
 from hexwar_sb3.errors import MapFileError, ScenarioFileError, UnknownNameError, shortened
 from hexwar_sb3.files import replacing
 from hexwar_sb3.maps.document import Document
-from hexwar_sb3.maps.generator import MAP_SPECS, generate, standard_scenario
+from hexwar_sb3.maps.generator import generate, standard_scenario
 from hexwar_sb3.maps.hexmap import HexMap
 from hexwar_sb3.maps.map_file import map_document, map_from
 from hexwar_sb3.maps.scenario import Scenario
 from hexwar_sb3.maps.scenario_file import scenario_document, scenario_from
+from hexwar_sb3.maps.spec import MAP_SPECS
 
 BUILTIN = Path(__file__).parent / "builtin"
 _LIKE = re.compile(r"(\w+)@([0-9]{1,9})")  # "hills@7": a map like "hills" under seed 7
@@ -67,8 +68,9 @@ def load_scenario(name_or_path: str | Path) -> Scenario:
         >>> load_scenario("hills@7").hexmap.is_symmetric()
         True
     """
-    if _LIKE.fullmatch(str(name_or_path)):
-        return standard_scenario(load_map(name_or_path))
+    like = _LIKE.fullmatch(str(name_or_path))
+    if like is not None:
+        return standard_scenario(load_map(name_or_path), MAP_SPECS[like[1]].start)
     path = _find("scenario", name_or_path)
     return _scenario_in(Document.read(path, ScenarioFileError, _readable(path)), path.parent)
 

@@ -1,6 +1,6 @@
-"""Building blocks of the generator: fields, patches and ways that are alike west and east.
+"""Building blocks of the generator: fields, patches and ways, alike west and east or each by itself.
 
-A field is an array [y, x] over all cells. Only its western half is ever drawn; the eastern half
+A field is an array [y, x] over all cells. Of a map that is alike only the western half is ever drawn; the eastern half
 is its image under the mirror map, so that symmetry is exact whatever the arithmetic.
 """
 
@@ -24,6 +24,7 @@ from hexwar_sb3.maps.geometry import (
     mirror_cells,
     neighbour_cells,
     playable_mask,
+    row_cells,
 )
 
 Field: TypeAlias = npt.NDArray[np.float64]
@@ -35,11 +36,12 @@ _WAVES = 24  # cosines in one noise field
 
 @dataclass(frozen=True)
 class Canvas:
-    """A grid to draw a symmetric map on, with its own random numbers."""
+    """A grid to draw a map on, with its own random numbers."""
 
     width: int
     height: int
     rng: np.random.Generator
+    alike: bool = True  # east is the mirror image of west
 
     @cached_property
     def mirror(self) -> Ints:
@@ -69,35 +71,48 @@ class Canvas:
         return np.repeat(rows[:, None], self.width, axis=1)
 
     def cell(self, x: int, y: int) -> int:
-        """Index of a cell."""
-        return y * self.width + x
+        """Index of a cell, of the nearest one if that is off the map."""
+        row = min(max(y, 0), self.height - 1)
+        return row * self.width + min(max(x, 0), row_cells(row, self.width) - 1)
+
+    def beside(self, cell: int, reach: int = 3) -> int:
+        """A random cell within some columns and rows of another."""
+        y, x = divmod(cell, self.width)
+        dx, dy = self.rng.integers(-reach, reach + 1, 2).tolist()
+        return self.cell(x + dx, y + dy)
 
     def fold(self, field: npt.NDArray[Kind]) -> npt.NDArray[Kind]:
-        """The western half of a field, and its mirror image in the east."""
+        """The western half of a field, and its mirror image in the east; the field itself where they are not alike."""
+        if not self.alike:
+            return field
         image = field.ravel()[self.mirror].reshape(field.shape)
         folded: npt.NDArray[Kind] = np.where(self.east <= 0, field, image)
         return folded
 
-    def both_sides(self, cells: list[int]) -> Bools:
-        """Marks on some cells and on their mirror images [y, x]."""
+    def marks(self, cells: list[int]) -> Bools:
+        """Marks on some cells, and their images where west and east are alike [y, x]."""
         marks = np.zeros((self.height, self.width), np.bool_)
         marks.flat[cells] = True
         return self.symmetric(marks)
 
     def symmetric(self, marks: Bools) -> Bools:
-        """Marks and their mirror images [y, x]."""
-        return marks | marks.ravel()[self.mirror].reshape(marks.shape)
+        """Marks, and their images where west and east are alike [y, x]."""
+        return marks | self.image(marks) if self.alike else marks
+
+    def image(self, marks: Bools) -> Bools:
+        """The mirror image of marks [y, x]."""
+        return np.asarray(marks.ravel()[self.mirror].reshape(marks.shape))
 
     def noise(self, wavelength_cells: float) -> Field:
-        """A smooth symmetric random field of mean 0 and variance about 1 [y, x]."""
+        """A smooth random field of mean 0 and variance about 1, alike west and east or not [y, x]."""
         angle = self.rng.uniform(0, np.pi, _WAVES)
         pulse = 2 * np.pi / (wavelength_cells * self.rng.uniform(0.75, 1.5, _WAVES))
         phase = self.rng.uniform(0, 2 * np.pi, _WAVES)
         total = np.zeros(self.east.shape)
-        for east in (self.east, -self.east):
+        for east in (self.east, -self.east) if self.alike else (self.east,):
             path = east[..., None] * np.cos(angle) + self.south[..., None] * np.sin(angle)
             total += np.cos(path * pulse + phase).sum(axis=-1)
-        return self.fold(total / np.sqrt(_WAVES))
+        return self.fold(total / np.sqrt(_WAVES if self.alike else _WAVES / 2))
 
     def parcels(self, size_cells: float, field: Field) -> tuple[Field, Bools]:
         """The plane cut into parcels: the field's mean over each, and the edges between them."""
@@ -121,6 +136,18 @@ class Canvas:
             if (nearer == padded[:-1]).all():
                 return nearer.reshape(marks.shape)
             padded[:-1] = nearer
+
+    def is_whole(self, marks: Bools) -> bool:
+        """Whether all marked cells hang together."""
+        inside = np.append(marks.ravel(), False)  # NO_CELL reads the last entry
+        reached = np.zeros_like(inside)
+        reached[int(inside.argmax())] = True
+        edge = np.flatnonzero(reached)
+        while edge.size:
+            near = np.unique(self.neighbours[edge])
+            edge = near[inside[near] & ~reached[near] & (near != NO_CELL)]
+            reached[edge] = True
+        return bool(reached.sum() == inside.sum())
 
     def disc(self, cell: int, radius: int) -> Bools:
         """The cells within `radius` of a cell [y, x]."""
@@ -171,7 +198,7 @@ class Canvas:
 
 def highest(score: Field, allowed: Bools, count: int) -> Bools:
     """The `count` allowed cells of highest score, and those that tie with the last [y, x]."""
-    if count <= 0:
+    if count <= 0 or not allowed.any():
         return np.zeros(score.shape, np.bool_)
     scores = np.sort(score[allowed])
     return allowed & (score >= scores[-min(count, scores.size)])

@@ -12,7 +12,7 @@ from hexwar_sb3.bots.config import bots_hash
 from hexwar_sb3.bots.registry import BOTS_VERSION
 from hexwar_sb3.evaluation.acceptance import FIRST_GAMES, Accept, failures_of, pairings, unused
 from hexwar_sb3.evaluation.seeds import Purpose, seed_for
-from hexwar_sb3.maps.files import builtin_names
+from hexwar_sb3.maps.spec import STANDARD
 from hexwar_sb3.play.match import play_games
 from hexwar_sb3.players.terms import Terms
 
@@ -30,7 +30,7 @@ def row(red: str, blue: str, win_rate: float, taken: float = 1.0) -> dict[str, A
 
 
 def test_every_map_was_accepted_with_2000_games_a_figure(accepted: dict[str, Any]) -> None:
-    assert sorted(accepted["maps"]) == builtin_names()
+    assert sorted(accepted["maps"]) == sorted(STANDARD)
     assert accepted["games"] >= 2000
     assert accepted["failures"] == []
     for found in accepted["maps"].values():
@@ -43,7 +43,7 @@ def test_the_players_are_those_that_were_accepted(accepted: dict[str, Any]) -> N
         assert found["bots"] == f"{BOTS_VERSION} {bots_hash()}"
 
 
-@pytest.mark.parametrize("scenario", builtin_names())
+@pytest.mark.parametrize("scenario", STANDARD)
 @pytest.mark.parametrize(("red", "blue"), [("MA1", "MA2"), ("MA2", "MA1"), ("MA1", "MA1"), ("MA2", "MA2")])
 def test_they_still_play_the_accepted_games(
     accepted: dict[str, Any], scenario: str, red: str, blue: str

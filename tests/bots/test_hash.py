@@ -13,7 +13,7 @@ import pytest
 from hexwar_sb3.bots import config
 from hexwar_sb3.bots.config import DRAWN_GAMES, GAMES, bots_hash, drawn_hash
 from hexwar_sb3.bots.registry import BOTS, FAMILIES
-from hexwar_sb3.maps.files import builtin_names
+from hexwar_sb3.maps.spec import STANDARD
 from hexwar_sb3.play.match import play_games
 from hexwar_sb3.players.terms import Terms
 
@@ -21,7 +21,7 @@ from hexwar_sb3.players.terms import Terms
 def digest_of(players: list[str]) -> str:
     """Digest of two games of each pair, each map: margins, lengths, and orders by kind."""
     digest = hashlib.sha256()
-    for scenario in builtin_names():
+    for scenario in STANDARD:
         for player in players:
             for opponent in ("MA1", "MA2"):
                 games = play_games(player, opponent, 2, Terms(scenario=scenario), seed=7)

@@ -12,7 +12,7 @@ from hexwar_sb3.bots.act import bot_act
 from hexwar_sb3.bots.registry import BOTS
 from hexwar_sb3.bots.weigh import known_lead
 from hexwar_sb3.engine.codes import Code
-from hexwar_sb3.maps.files import builtin_names
+from hexwar_sb3.maps.spec import STANDARD
 from hexwar_sb3.play.match import play_games
 from hexwar_sb3.players.terms import Terms
 from hexwar_sb3.rules.enums import Action, Camp, PieceType
@@ -68,7 +68,7 @@ def test_what_a_player_cannot_know_changes_nothing_that_it_decides(
     assert seen_something or player == "random"
 
 
-@pytest.mark.parametrize("scenario", builtin_names())
+@pytest.mark.parametrize("scenario", STANDARD)
 @pytest.mark.parametrize("red", [*FULL, "nearest", "two-hold", "drawn", "drawn-unseen"])
 def test_the_mirrored_game_is_the_mirrored_game(scenario: str, red: str, bot_games: Games) -> None:
     """Colours and the dice's salts changed over: every margin changes over too."""
@@ -102,7 +102,7 @@ def test_a_full_player_uses_every_action(player: str) -> None:
     actions = np.concatenate(
         [
             play_games(player, "nearest", 60, Terms(scenario=name), seed=1).actions[:, Camp.RED]
-            for name in builtin_names()
+            for name in STANDARD
         ]
     )
     used = (actions > 0).mean(axis=0)

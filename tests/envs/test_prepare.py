@@ -151,7 +151,7 @@ def test_of_two_that_start_together_one_waits_and_compiles_nothing(
     started: list[str], tmp_path: Path
 ) -> None:
     said: list[str] = []
-    held = FileLock(tmp_path / prepare.LOCK)
+    held = FileLock(tmp_path / prepare.LOCK.format(toolchain()))
     held.acquire()
     other = threading.Thread(target=prepare.prepare, args=(said.append,))
     other.start()

@@ -14,7 +14,7 @@ from hexwar_sb3.engine.world import load_world
 from hexwar_sb3.envs.registration import make_vec_env
 from hexwar_sb3.envs.task_vec_env import TaskVecEnv
 from hexwar_sb3.errors import ConfigError
-from hexwar_sb3.maps.files import builtin_names
+from hexwar_sb3.maps.spec import STANDARD
 
 Pick = Callable[[NDArray[Any], int], NDArray[np.int64]]
 Outcome = tuple[str, str, float, float, int]  # side, opponent, margin, return, points held
@@ -144,7 +144,7 @@ def test_half_precision_is_the_same_observation() -> None:
     assert np.allclose(full["obs"], half["obs"], atol=1e-2)
 
 
-@pytest.mark.parametrize("scenario", builtin_names())
+@pytest.mark.parametrize("scenario", STANDARD)
 def test_every_observation_lies_in_its_space(pick: Pick, scenario: str) -> None:
     env = vec_env(1, decisions="event", privileged_state=True, scenario=scenario)
     obs, done, step = cast("dict[str, NDArray[Any]]", env.reset()), False, 0

@@ -12,9 +12,9 @@ from hexwar_sb3.engine.text import parse_board
 from hexwar_sb3.engine.world import load_world
 from hexwar_sb3.errors import ConfigError
 from hexwar_sb3.evaluation.routes import LENGTHS, RouteResult, draw_routes, measure_routes
-from hexwar_sb3.maps.files import builtin_names
 from hexwar_sb3.maps.geometry import W, cells_apart
 from hexwar_sb3.maps.scenario import Scenario
+from hexwar_sb3.maps.spec import STANDARD
 from hexwar_sb3.players.frozen_lower import FORMAT, SIZES, FrozenLower, fastest_way_network
 from hexwar_sb3.rules.enums import Camp, PieceType
 from hexwar_sb3.rules.indices import CellIndex
@@ -71,7 +71,7 @@ def last(results: list[RouteResult]) -> RouteResult:
     return results[-1]
 
 
-@pytest.mark.parametrize("scenario", builtin_names())
+@pytest.mark.parametrize("scenario", STANDARD)
 @pytest.mark.parametrize("lower", ["heuristic", nearest_way])
 def test_the_heuristic_finishes_all_routes_on_fastest_ways(scenario: str, lower: Any) -> None:
     """By its name, and as a callable that reads the state."""

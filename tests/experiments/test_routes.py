@@ -8,13 +8,14 @@ import pytest
 from hexwar_sb3.commands.train_settings import LOWER_SCENARIOS
 from hexwar_sb3.engine.world import load_world
 from hexwar_sb3.experiments.routes import asymmetric, report, text, unseen
-from hexwar_sb3.maps.files import builtin_names, load_scenario
+from hexwar_sb3.maps.files import load_scenario
+from hexwar_sb3.maps.spec import STANDARD
 
 
 def test_the_unseen_map_is_none_of_those_that_the_lower_level_learns_on() -> None:
     hashes = {load_scenario(name).hexmap.hash for name in LOWER_SCENARIOS}
 
-    assert set(builtin_names()) < set(LOWER_SCENARIOS)
+    assert set(STANDARD) < set(LOWER_SCENARIOS)
     assert not {unseen().hexmap.hash, asymmetric().hexmap.hash} & hashes
 
 
@@ -29,7 +30,7 @@ def test_the_asymmetric_map_is_not_its_own_mirror_image() -> None:
 def test_the_report_has_a_row_for_each_map_and_type() -> None:
     rows = report("heuristic", routes=1)
 
-    assert [row["map"] for row in rows[::5]] == [*builtin_names(), "unseen", "asymmetric"]
+    assert [row["map"] for row in rows[::5]] == [*STANDARD, "unseen", "asymmetric"]
     assert {row["finished"] for row in rows} == {1.0}
     assert {row["agreement"] for row in rows} == {1.0}
     assert len(text(rows).splitlines()) == 1 + len(rows)

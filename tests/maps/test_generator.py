@@ -2,22 +2,25 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
+from hexwar_sb3.errors import ConfigError
 from hexwar_sb3.maps.files import BUILTIN, load_map, load_scenario
-from hexwar_sb3.maps.generator import MAP_SPECS, generate, standard_scenario
+from hexwar_sb3.maps.generator import generate, standard_scenario
 from hexwar_sb3.maps.geometry import Bools, neighbour_cells
 from hexwar_sb3.maps.hexmap import HexMap
 from hexwar_sb3.maps.landscape import Canvas
-from hexwar_sb3.maps.scenario import Scenario
 from hexwar_sb3.maps.sightlines import lines_to
+from hexwar_sb3.maps.spec import MAP_SPECS, Start
 from hexwar_sb3.maps.terrain import Terrain
 from hexwar_sb3.maps.travel import TOO_FAR
 from hexwar_sb3.rules import default_rules
-from hexwar_sb3.rules.enums import HopClass, PieceType
+from hexwar_sb3.rules.enums import Camp, HopClass, PieceType
+from hexwar_sb3.tasks.hotspots import is_mirrored
 
 ASKED = {  # relief, share concealed, share slushy, roads
     "plain": (60, 0.15, 0.08, 1),
@@ -60,11 +63,12 @@ def patches(marks: Bools, hexmap: HexMap) -> list[set[int]]:
     return groups
 
 
-def test_lakes_are_few_and_convex(scenario: Scenario) -> None:
-    """At most 3 % impassable; every line between two cells of a lake stays in the lake."""
-    hexmap = scenario.hexmap
+@pytest.mark.parametrize("name", MAP_SPECS)
+def test_lakes_are_few_and_convex(name: str) -> None:
+    """At most 5 % impassable, 3 % of a usual map; every line between two cells of a lake stays in the lake."""
+    hexmap = load_map(name)
     water = hexmap.playable & ~hexmap.passable
-    assert 0 < water.sum() <= 0.03 * hexmap.playable.sum()
+    assert 0 < water.sum() <= (0.03 if name in ASKED else 0.05) * hexmap.playable.sum()
     for lake in patches(water, hexmap):
         assert_convex(lake, hexmap.width)
 
@@ -78,8 +82,10 @@ def assert_convex(lake: set[int], width: int) -> None:
                 assert all((q + dq, r + dr) in inside for dq, dr in line)
 
 
-def test_control_points_lie_in_open_level_clearings(scenario: Scenario) -> None:
+@pytest.mark.parametrize("name", MAP_SPECS)
+def test_control_points_lie_in_open_level_clearings(name: str) -> None:
     """The 7 cells: passable, slope at most 2, not concealed, not slushy."""
+    scenario = load_scenario(name)
     hexmap = scenario.hexmap
     neighbours = neighbour_cells(hexmap.width, hexmap.height)
     for point in scenario.points:
@@ -114,11 +120,12 @@ def test_builtin_files_are_small() -> None:
     assert all(path.stat().st_size < 100_000 for path in BUILTIN.iterdir())
 
 
-def test_builtin_files_are_what_their_seed_makes(scenario: Scenario) -> None:
-    spec = MAP_SPECS[scenario.name]
+@pytest.mark.parametrize("name", MAP_SPECS)
+def test_builtin_files_are_what_their_seed_makes(name: str) -> None:
+    spec, scenario = MAP_SPECS[name], load_scenario(name)
     assert scenario.hexmap.seed == spec.seed
     assert generate(spec).hash == scenario.hexmap.hash
-    assert standard_scenario(scenario.hexmap).hash == scenario.hash
+    assert standard_scenario(scenario.hexmap, spec.start).hash == scenario.hash
 
 
 @pytest.mark.parametrize("name", MAP_SPECS)
@@ -127,8 +134,59 @@ def test_one_seed_makes_one_map_and_another_seed_another(name: str) -> None:
     assert generate(spec).hash == generate(spec).hash
     other = generate(replace(spec, seed=99))
     assert other.hash != generate(spec).hash
-    assert other.is_symmetric()
-    assert standard_scenario(other).hexmap is other
+    assert other.is_symmetric() == spec.mirror
+    assert standard_scenario(other, spec.start).hexmap is other
+
+
+@pytest.mark.parametrize("mirror", [True, False])
+@pytest.mark.parametrize("size", [(15, 11), (20, 11), (21, 30), (50, 16), (121, 90)])
+@pytest.mark.parametrize("name", MAP_SPECS)
+def test_every_map_can_be_had_in_any_size(name: str, size: tuple[int, int], mirror: bool) -> None:
+    """One piece of land, with room for both camps; alike west and east if asked for."""
+    spec = replace(MAP_SPECS[name].resized(*size), seed=7, mirror=mirror)
+    hexmap = generate(spec)
+    scenario = standard_scenario(hexmap, replace(spec.start, pieces=(16, 16)))
+
+    assert (hexmap.width, hexmap.height) == size
+    assert hexmap.is_symmetric() == mirror
+    assert len(patches(hexmap.passable, hexmap)) == 1
+    assert Counter(piece.camp for piece in scenario.pieces) == {Camp.RED: 16, Camp.BLUE: 16}
+    assert len(scenario.points) == len(spec.start.points)
+    assert is_mirrored(scenario) == (mirror and spec.start.blue_base is None)
+
+
+def test_a_map_of_its_own_size_is_the_same() -> None:
+    for spec in MAP_SPECS.values():
+        assert spec.resized(spec.width, spec.height) == spec
+
+
+@pytest.mark.parametrize("size", [(14, 30), (30, 10), (251, 30), (30, 251)])
+def test_a_size_out_of_range_is_refused(size: tuple[int, int]) -> None:
+    with pytest.raises(ConfigError, match=r"(width|height) must be (an integer >= 1[15]|at most 250), got"):
+        MAP_SPECS["plain"].resized(*size)
+
+
+def test_camps_grow_by_whole_squads_whose_soldiers_ride() -> None:
+    names = [name for name, _ in Start().camp(10, 70)]
+    assert names == [
+        "tank0", "tank1", "tank2", "chariot0", "chariot1", "chariot2", "soldier0", "soldier1", "soldier2", "aerocraft0"
+    ]  # fmt: skip
+    pieces = standard_scenario(load_map("plain"), Start(pieces=(64, 3))).pieces
+    assert Counter(piece.camp for piece in pieces) == {Camp.RED: 64, Camp.BLUE: 3}
+    homes = {(piece.camp, piece.name): piece.cell for piece in pieces}
+    assert all(homes[piece.camp, piece.home] == piece.cell for piece in pieces if piece.home)
+
+
+@pytest.mark.parametrize("pieces", [(0, 7), (7, 65)])
+def test_camps_of_no_size_are_refused(pieces: tuple[int, int]) -> None:
+    with pytest.raises(ConfigError, match=r"pieces must be (an integer >= 1, got 0|at most 64, got 65)"):
+        Start(pieces=pieces)
+
+
+def test_a_map_that_is_too_full_is_refused() -> None:
+    small = MAP_SPECS["plain"].resized(15, 11)
+    with pytest.raises(ConfigError, match="no free dry cells left"):
+        standard_scenario(generate(replace(small, slushy=0.9)), Start(pieces=(64, 64)))
 
 
 def test_distance_counts_cells() -> None:

@@ -68,7 +68,7 @@ def test_rough_maps_read_back_as_written(rough_board: Any, seed: int) -> None:
 
 
 def test_builtin_maps_are_three() -> None:
-    assert builtin_names() == ["hills", "paddy", "plain"]
+    assert builtin_names() == ["assault", "battalion", "hills", "paddy", "plain", "skirmish"]
 
 
 def test_an_unknown_name_is_answered_with_the_nearest() -> None:

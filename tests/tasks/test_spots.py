@@ -11,7 +11,7 @@ import pytest
 from hexwar_sb3.engine.game import Game
 from hexwar_sb3.engine.world import load_world
 from hexwar_sb3.errors import ConfigError, FileFormatError
-from hexwar_sb3.maps.files import builtin_names
+from hexwar_sb3.maps.spec import STANDARD
 from hexwar_sb3.rules.enums import Camp
 from hexwar_sb3.tasks import spots
 from hexwar_sb3.tasks.hotspots import static_hot_spots
@@ -44,7 +44,7 @@ def static_cells(world: World, k: int) -> list[list[int]]:
     return [points + static_spots(world, camp, k) for camp in (Camp.RED, Camp.BLUE)]
 
 
-@pytest.mark.parametrize("name", builtin_names())
+@pytest.mark.parametrize("name", STANDARD)
 def test_the_shipped_file_is_of_this_map_and_of_its_source(name: str) -> None:
     """A file of the static rule must still be what the rule says."""
     world = load_world(name)
@@ -54,7 +54,7 @@ def test_the_shipped_file_is_of_this_map_and_of_its_source(name: str) -> None:
     assert shipped["source"] != "static rule" or load_spots(world).tolist() == static_cells(world, SPOTS)
 
 
-@pytest.mark.parametrize("name", builtin_names())
+@pytest.mark.parametrize("name", STANDARD)
 def test_spots_are_reachable_apart_and_mirrored(name: str) -> None:
     world = load_world(name)
     red, blue = load_spots(world)
