@@ -203,6 +203,12 @@ def sizes(n_own: int, n_enemies: int, n_points: int) -> Sizes:
     return Sizes(**{name: _width(groups, counts) for name, groups in VECTORS.items()})
 
 
+def group_width(vector: str, group: str) -> int:
+    """Numbers of one thing of a repeated group: of a piece, of a control point."""
+    features = next(one.features for one in VECTORS[vector] if one.name == group)
+    return sum(feature.width for feature in features if isinstance(feature.width, int))
+
+
 def feature_index(vector: str, n_own: int, n_enemies: int, n_points: int) -> dict[str, slice]:
     """Where each feature of "obs", "row", "state" or "route" stands: "enemy 2: blood" -> slice."""
     counts = _counts(n_own, n_enemies, n_points)

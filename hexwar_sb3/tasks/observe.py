@@ -30,12 +30,17 @@ from hexwar_sb3.tasks.features import (
     PER_TIMER,
     PER_VALUE,
     PER_WAY,
+    group_width,
 )
 from hexwar_sb3.tasks.known import age, end_piece, first_piece, known_in_zone, n_slots, ticks_left
 from hexwar_sb3.tasks.records import MissionRecord, Missions, TaskSets
 from hexwar_sb3.tasks.shots import best_shot
 from hexwar_sb3.tasks.task_rows import N_TASKS, N_TYPES, bounded, put_way, write_rows
 from hexwar_sb3.tasks.travel import travel_ticks
+
+OWN_WIDTH = group_width("obs", "own piece")
+ENEMY_WIDTH = group_width("obs", "enemy")
+PIECE_WIDTH = group_width("state", "piece")
 
 
 @kernel
@@ -198,8 +203,8 @@ def _put_own(out: Rows, at: int, i: PieceIndex, game: GameRecord, pieces: Pieces
             out[at + 5] = other.blood * PER_BLOOD
             out[at + 6] = other.suppressed
             out[at + 7] = other.hidden
-        at += 8
-    return start + 8 * n_slots(game)
+        at += OWN_WIDTH
+    return start + OWN_WIDTH * n_slots(game)
 
 
 @kernel
@@ -223,8 +228,8 @@ def _put_enemies(
             out[at + 9] = known.hidden
             out[at + 10] = known.suppressed
             out[at + 11] = known.moving
-        at += 12
-    return start + 12 * n_slots(game)
+        at += ENEMY_WIDTH
+    return start + ENEMY_WIDTH * n_slots(game)
 
 
 @kernel
@@ -275,10 +280,10 @@ def global_state(
     state[:] = 0.0
     for side in camp_range(2):
         whose = camp if side == Camp.RED else CampIndex(1 - camp)
-        at = int(side) * n_slots(game) * 9
+        at = int(side) * n_slots(game) * PIECE_WIDTH
         for i in piece_range(first_piece(whose, game), end_piece(whose, game)):
             at = _put_true(state, at, i, camp, game, pieces, cells)
-    at = 2 * n_slots(game) * 9
+    at = 2 * n_slots(game) * PIECE_WIDTH
     for k in point_range(game.n_points):
         at = _put_owner(state, at, camp, game.point_owner[k])
     _put_game(state, at, camp, game, margin(game, pieces, camp, rules))
@@ -300,7 +305,7 @@ def _put_true(
         out[at + 6] = piece.suppressed
         out[at + 7] = 1.0 if is_seen(i, game, pieces) else 0.0
         out[at + 8] = ticks_left(piece.cool_ends, game.tick) * PER_TIMER
-    return at + 9
+    return at + PIECE_WIDTH
 
 
 @kernel
