@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from typing import ClassVar
+from collections.abc import Iterable, Iterator
 
 import torch
 from jaxtyping import Float, Int
@@ -16,6 +16,12 @@ class TaskNetwork(nn.Module):
     """Estimates Q_i of every task in a piece's task set (Fig. 4b)."""
 
     piece: nn.Linear  # reads a piece's own features
+    remembers: bool = False
+
+    @property
+    def piece_layers(self) -> list[nn.Linear]:
+        """Layers that read a piece's own features."""
+        return [self.piece]
 
     def forward(
         self,
@@ -32,8 +38,6 @@ class TaskNetwork(nn.Module):
         """
         sets = pack(obs, tasks, mask)
         return sets.spread(self.q_values(sets), torch.finfo(obs.dtype).min).reshape(mask.shape)
-
-    remembers: ClassVar[bool] = False
 
     def own(
         self, sets: TaskSets, memory: Float[Tensor, "piece hidden"] | None = None
@@ -187,6 +191,85 @@ class LiteralAgentNetwork(TaskNetwork):
     ) -> Float[Tensor, " piece"]:
         """Q of one task of each piece."""
         return encoded[0].gather(1, tasks.unsqueeze(1)).squeeze(1)
+
+
+class SeparateNetworks(TaskNetwork):
+    """A network for each piece, by its slot: for agents that are too different for one.
+
+    Args:
+        networks: of the slots, in their order; all of one kind.
+    """
+
+    def __init__(self, networks: Iterable[TaskNetwork]) -> None:
+        super().__init__()
+        self.networks = nn.ModuleList(networks)
+        self.remembers = bool(self._networks[0].remembers)
+
+    @property
+    def _networks(self) -> list[TaskNetwork]:
+        return list(self.networks)  # type: ignore[arg-type]  # a ModuleList of them
+
+    @property
+    def piece_layers(self) -> list[nn.Linear]:
+        """Layers that read a piece's own features."""
+        return [layer for network in self._networks for layer in network.piece_layers]
+
+    def _dealt(self, sets: TaskSets) -> Iterator[tuple[TaskNetwork, Tensor, Tensor, TaskSets]]:
+        """Each network with the pieces that are its own, their rows, and their task sets."""
+        n = len(self.networks)
+        for slot, network in enumerate(self._networks):
+            pieces = torch.arange(slot, sets.n_pieces, n, device=sets.obs.device)
+            rows = (sets.piece % n == slot).nonzero().squeeze(1)
+            piece, task = sets.piece[rows] // n, sets.task[rows]
+            yield (
+                network,
+                pieces,
+                rows,
+                TaskSets(sets.obs[pieces], sets.tasks[rows], piece, task, sets.n_tasks),
+            )
+
+    def own(
+        self, sets: TaskSets, memory: Float[Tensor, "piece hidden"] | None = None
+    ) -> Float[Tensor, "piece hidden"]:
+        """What is computed of each piece alone, by its own network."""
+        found = [
+            network.own(its, None if memory is None else memory[pieces])
+            for network, pieces, _, its in self._dealt(sets)
+        ]
+        return torch.stack(found, dim=1).flatten(0, 1)
+
+    def own_in_turn(self, sets: TaskSets, steps: int, n_pieces: int) -> Float[Tensor, "piece hidden"]:
+        """The same over runs of situations."""
+        found = [network.own_in_turn(its, steps, 1) for network, _, _, its in self._dealt(sets)]
+        return torch.stack(found, dim=1).flatten(0, 1)
+
+    def encode(self, sets: TaskSets, own: Float[Tensor, "piece hidden"]) -> tuple[Tensor, ...]:
+        """What each network computes of its pieces' task sets, one network after the other."""
+        return tuple(
+            part for network, pieces, _, its in self._dealt(sets) for part in network.encode(its, own[pieces])
+        )
+
+    def _parts(self, encoded: tuple[Tensor, ...]) -> Iterator[tuple[Tensor, ...]]:
+        """What `encode` gave, network by network."""
+        size = len(encoded) // len(self.networks)
+        return (encoded[at : at + size] for at in range(0, len(encoded), size))
+
+    def values(self, encoded: tuple[Tensor, ...], sets: TaskSets) -> Float[Tensor, " row"]:
+        """Q of every valid task."""
+        found = sets.tasks.new_zeros(len(sets.piece))
+        for (network, _, rows, its), part in zip(self._dealt(sets), self._parts(encoded), strict=True):
+            found = found.index_copy(0, rows, network.values(part, its))
+        return found
+
+    def chosen(
+        self, encoded: tuple[Tensor, ...], sets: TaskSets, tasks: Int[Tensor, " piece"]
+    ) -> Float[Tensor, " piece"]:
+        """Q of one task of each piece."""
+        found = [
+            network.chosen(part, its, tasks[pieces])
+            for (network, pieces, _, its), part in zip(self._dealt(sets), self._parts(encoded), strict=True)
+        ]
+        return torch.stack(found, dim=1).flatten()
 
 
 NETWORKS: dict[str, type[AgentNetwork | LiteralAgentNetwork]] = {

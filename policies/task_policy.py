@@ -15,7 +15,7 @@ from torch import Tensor
 from hexwar_sb3.errors import ConfigError, UnknownNameError
 from hexwar_sb3.players.frozen import FrozenPolicy
 from hexwar_sb3.players.frozen_lower import HEURISTIC_LOWER, Lower
-from hexwar_sb3.policies.agent import MEMORIES, NETWORKS, AgentNetwork, TaskNetwork
+from hexwar_sb3.policies.agent import MEMORIES, NETWORKS, AgentNetwork, SeparateNetworks, TaskNetwork
 from hexwar_sb3.policies.mirrored import columns_of_the_camp, leave_out
 from hexwar_sb3.policies.mixers import Mixer, mixer_of
 from hexwar_sb3.policies.shapes import TaskShapes
@@ -41,6 +41,7 @@ class TaskPolicy(TrustedFiles, BasePolicy):
         state_dim: size of the mixer's state; None reads it from the observation space.
         network: "additive", or "literal" for layers over concatenations (the same functions, slower).
         memory: "gru": pieces remember what they saw in a game; None: they see the present alone.
+        share_parameters: one network for all pieces; False: one for each, as agents of different kinds may need.
         hidden: width of the agent network.
         embed: width of a task's embedding.
         mirrored: the networks do not see which camp they play; for maps that are their own mirror images.
@@ -59,6 +60,7 @@ class TaskPolicy(TrustedFiles, BasePolicy):
         state_dim: int | None = None,
         network: str = "additive",
         memory: str | None = None,
+        share_parameters: bool = True,
         hidden: int = 64,
         embed: int = 32,
         mirrored: bool = False,
@@ -75,7 +77,7 @@ class TaskPolicy(TrustedFiles, BasePolicy):
         self.shapes = TaskShapes.of(observation_space, action_space)
         self.sizes = {"hidden": hidden, "embed": embed}
         self.mixer_name, self.mixer_kwargs = mixer, mixer_kwargs or {}
-        self.network, self.memory = network, memory
+        self.network, self.memory, self.share_parameters = network, memory, share_parameters
         self.state_dim = state_dim or self.shapes.state_dim
         self.agent, self.agent_target = self._make_agent(), self._make_agent()
         self.agent_mean = self._make_agent()  # over the last updates: what is evaluated and shared
@@ -108,7 +110,13 @@ class TaskPolicy(TrustedFiles, BasePolicy):
         if self.memory is not None and self.memory not in MEMORIES:
             raise UnknownNameError("memory", self.memory, MEMORIES)
         kind = NETWORKS[self.network] if self.memory is None else MEMORIES[self.memory]
-        return kind(self.shapes.obs_dim, self.shapes.task_dim, **self.sizes)
+
+        def make() -> TaskNetwork:
+            return kind(self.shapes.obs_dim, self.shapes.task_dim, **self.sizes)
+
+        return (
+            make() if self.share_parameters else SeparateNetworks(make() for _ in range(self.shapes.n_pieces))
+        )
 
     def settle(self) -> None:
         """Let target and mean of the agent network be as it is now."""
@@ -117,7 +125,8 @@ class TaskPolicy(TrustedFiles, BasePolicy):
 
     def _leave_out_the_camp(self) -> None:
         own, of_state = columns_of_the_camp(self.shapes, self.state_dim)
-        leave_out(self.agent.piece, own)
+        for layer in self.agent.piece_layers:
+            leave_out(layer, own)
         for layer in self.mixer.state_layers():
             leave_out(layer, of_state)
 
@@ -201,7 +210,8 @@ class TaskPolicy(TrustedFiles, BasePolicy):
         """
         if not isinstance(self.agent_mean, AgentNetwork) or self.memory is not None:
             raise ConfigError(
-                "only the additive network can be frozen: train with network='additive' and without memory"
+                "only the additive network, shared by all pieces, can be frozen: train with network='additive',"
+                " share_parameters=True and without memory"
             )
         weights = {name: tensor.cpu().numpy().copy() for name, tensor in self.agent_mean.state_dict().items()}
         sizes = {"n_pieces": self.shapes.n_pieces, "n_tasks": self.shapes.n_tasks}
@@ -245,6 +255,7 @@ class TaskPolicy(TrustedFiles, BasePolicy):
             "state_dim": self.state_dim,
             "network": self.network,
             "memory": self.memory,
+            "share_parameters": self.share_parameters,
             **self.sizes,
             "mirrored": self.mirrored,
             "optimizer_class": self.optimizer_class,

@@ -29,7 +29,7 @@ MOST_BYTES = 1 << 16
 MOST_ENVS = 4_096
 LEARNER: Table = {
     **{name: kind for name, kind in QMIX.settings.items() if name != "seed"},
-    **{name: POLICY_KWARGS.table[name] for name in ("mixer", "memory")},
+    **{name: POLICY_KWARGS.table[name] for name in ("mixer", "memory", "share_parameters")},
 }
 """Arguments of `QMIX` that a file may hold."""
 NEUTRAL: dict[str, Any] = {

@@ -103,6 +103,7 @@ POLICY_KWARGS = Parts(
         "state_dim": optional(Whole(1, SIZE_LIMITS["state_dim"])),
         "network": Choice("network", NETWORKS),
         "memory": optional(Choice("memory", MEMORIES)),
+        "share_parameters": flag,
         "hidden": WIDTH,
         "embed": WIDTH,
         "mirrored": flag,
@@ -119,6 +120,7 @@ SETTINGS: Table = {
     "double_q": flag,
     "loss": Choice("loss", LOSSES),
     "reward_scale": optional(POSITIVE),
+    "individual_rewards": flag,
     "exploration_episodes": Whole(),
     "exploration_every": Whole(),
     "exploration_steps": optional(Whole()),
@@ -156,12 +158,15 @@ class QMIX(TaskModel):
         mixer: "qmix", "vdn", "iql", "qplex" or "ow-qmix", or a subclass of `hexwar_sb3.policies.Mixer`.
         memory: "gru": pieces remember what they saw in a game. Transitions are windows then, with `td_lambda` or 0, which
             reach back to the begin of their game: let `n_steps` be as long as games are. None: no memory.
+        share_parameters: one network for all agents; False: one for each, slower, and never frozen.
         n_steps: steps of a transition; with `td_lambda` or `memory` the length of its windows.
         td_lambda: λ of λ-returns; None takes n-step returns.
         double_q: the online network picks the next tasks, the target network values them.
         loss: "huber" or "squared", of the mixed value.
         reward_scale: rewards are divided by it; values are logged in points all the same. None: by the standard deviation
             of the discounted returns so far, a saved figure.
+        individual_rewards: each agent learns from its own reward, info["rewards"], as `JointActionEnv` gives it; with "iql",
+            as the other mixers value the team.
         exploration_initial_eps: probability of a random task at the start.
         exploration_final_eps: and after `exploration_episodes`; pieces that stick to it explore several times as often.
         exploration_episodes: finished games until then; a saved count, so a resumed run goes on where it was.
@@ -214,11 +219,13 @@ class QMIX(TaskModel):
         final_learning_rate: float | None = None,
         mixer: str | type[Mixer] = "qmix",
         memory: str | None = None,
+        share_parameters: bool = True,
         n_steps: int = 4,
         td_lambda: float | None = None,
         double_q: bool = True,
         loss: str = "huber",
         reward_scale: float | None = 50.0,
+        individual_rewards: bool = False,
         exploration_initial_eps: float = 0.5,
         exploration_final_eps: float = 0.02,
         exploration_episodes: int = 4_000,
@@ -251,6 +258,7 @@ class QMIX(TaskModel):
             policy_kwargs={
                 "mixer": mixer,
                 **({} if memory is None else {"memory": memory}),
+                **({} if share_parameters else {"share_parameters": False}),
                 **setting("policy_kwargs", policy_kwargs or {}, options),
             },
             stats_window_size=stats_window_size,
@@ -266,6 +274,7 @@ class QMIX(TaskModel):
         self.final_learning_rate, self.ema_tau = final_learning_rate, ema_tau
         self.n_steps, self.td_lambda, self.double_q, self.loss = n_steps, td_lambda, double_q, loss
         self.reward_scale, self.stickiness = reward_scale, stickiness
+        self.individual_rewards = individual_rewards
         self.max_grad_norm, self.chunk_size = max_grad_norm, chunk_size
         self.exploration_initial_eps = exploration_initial_eps
         self.exploration_final_eps = exploration_final_eps
@@ -290,6 +299,8 @@ class QMIX(TaskModel):
         self.task_sizes = asdict(shapes)
         if self.squad_initial_share or self.squad_final_share:
             check_ordered(shapes)
+        if self.individual_rewards and self.policy_kwargs["mixer"] != "iql":
+            raise ConfigError("individual_rewards needs mixer='iql': the others value what the team gets")
         self.policy_kwargs.setdefault("state_dim", shapes.state_dim)
         policy = self.policy_class(
             self.observation_space, self.action_space, self.lr_schedule, **self.policy_kwargs
@@ -311,7 +322,13 @@ class QMIX(TaskModel):
 
     def _make_replay(self, buffer_size: int) -> StepReplay:
         return StepReplay(
-            buffer_size, self.observation_space, self.action_space, self.device, self.n_envs, self.gamma
+            buffer_size,
+            self.observation_space,
+            self.action_space,
+            self.device,
+            self.n_envs,
+            self.gamma,
+            individual_rewards=self.individual_rewards,
         )
 
     def _setup_lr_schedule(self) -> None:

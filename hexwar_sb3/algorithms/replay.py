@@ -41,7 +41,7 @@ class Batch:
     now: Situation
     then: Situation  # after the steps
     tasks: Int[Tensor, " batch*piece"]  # the task that each piece was given
-    reward: Float[Tensor, "batch 1"]  # return over the steps, in points
+    reward: Float[Tensor, "batch reward"]  # return over the steps, in points; each agent's own, if they have
     discount: Float[Tensor, "batch 1"]
     terminated: Float[Tensor, "batch 1"]
     inside: Bool[Tensor, " batch"]  # False for padding after an episode's end
@@ -72,6 +72,7 @@ class StepReplay:
         device: of the batches.
         n_envs: games at a time.
         gamma: discount of 75 ticks.
+        individual_rewards: keep info["rewards"], each agent's own, in place of the team's.
     """
 
     def __init__(
@@ -82,6 +83,8 @@ class StepReplay:
         device: torch.device,
         n_envs: int,
         gamma: float = 0.99,
+        *,
+        individual_rewards: bool = False,
     ) -> None:
         shapes = TaskShapes.of(observation_space, action_space)
         self.n_envs, self.rows, self.device, self.gamma = n_envs, max(buffer_size // n_envs, 2), device, gamma
@@ -99,7 +102,8 @@ class StepReplay:
         # Valid rows of all pieces [n, task_dim], of each step: number game * rows + row.
         self.sets = [self._none] * (n_envs * self.rows)
         self.tasks = np.zeros((*size, shapes.n_pieces), np.int16)
-        self.reward = np.zeros(size, np.float32)
+        self._own_rewards = individual_rewards
+        self.reward = np.zeros((*size, shapes.n_pieces) if individual_rewards else size, np.float32)
         self.discount = np.zeros(size, np.float32)
         self.terminated = np.zeros(size, bool)
         self.done = np.zeros(size, bool)
@@ -130,7 +134,7 @@ class StepReplay:
         self._write(row, obs)
         self.tasks[game, row] = [info.get("demo_actions", action[b]) for b, info in enumerate(infos)]
         self._check_tasks(row)
-        self.reward[game, row] = reward
+        self.reward[game, row] = self._rewards_of(infos) if self._own_rewards else reward
         self.discount[game, row] = [
             row_discount(self.gamma, info.get("ticks", DECISION_TICKS)) for info in infos
         ]
@@ -143,6 +147,17 @@ class StepReplay:
         self.next_row = np.where(cut, (after + 1) % self.rows, after)
         self.is_step[game, self.next_row] = False
         self.used = self.rows if (after < row).any() else max(self.used, int(after.max()) + 1)
+
+    def _rewards_of(self, infos: list[dict[str, Any]]) -> NDArray[Any]:
+        """Each agent's own reward [n_envs, N]."""
+        rewards: list[Any] = [info.get("rewards", ()) for info in infos]
+        for one in rewards:
+            if np.shape(one) != (self.n_pieces,):
+                raise ConfigError(
+                    f"individual_rewards needs info['rewards'], a number for each of {self.n_pieces} agents, as"
+                    f" JointActionEnv gives it; found {np.size(one)} numbers"
+                )
+        return np.array(rewards, np.float32)
 
     def _write(self, row: NDArray[np.int64], obs: Mapping[str, NDArray[Any]]) -> None:
         game = np.arange(self.n_envs)
@@ -187,7 +202,7 @@ class StepReplay:
         rows, inside = self._walk(game, start, n_steps)
         at = (game[:, None], rows)
         reward, discount = n_step_return(
-            self._tensor(self.reward[at]),
+            self._rewards(at),
             self._tensor(self.discount[at]),
             torch.as_tensor(inside, device=self.device),
         )
@@ -210,8 +225,12 @@ class StepReplay:
             start = self._back(game, start, length - 1)
         rows, inside = self._walk(game, start, length)
         game, flat = game.repeat(length), rows.reshape(-1)
-        reward, discount = (self._tensor(values[game, flat, None]) for values in (self.reward, self.discount))
+        reward, discount = self._rewards((game, flat)), self._tensor(self.discount[game, flat, None])
         return self._batch(game, flat, flat, reward, discount, inside.reshape(-1))
+
+    def _rewards(self, at: tuple[NDArray[np.int64], NDArray[np.int64]]) -> Tensor:
+        """Rewards of some steps, on a last axis: the team's, or the agents'."""
+        return self._tensor(self.reward[at] if self._own_rewards else self.reward[at][..., None])
 
     def _draw(self, count: int, rng: np.random.Generator) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
         """Game and row of some steps, new ones more often: the newest tenth makes a third of what is drawn."""
@@ -313,7 +332,7 @@ class StepReplay:
         own = self._arrays()
         check_names(parts, [*own, "sets", "next_row"])
         games, used = (
-            shape if len(shape := np.shape(parts["reward"])) == 2 else refuse("reward", shape, "two axes")
+            shape if len(shape := np.shape(parts["done"])) == 2 else refuse("done", shape, "two axes")
         )
         if games != self.n_envs or used > self.rows:
             found, room = f"{used} steps of {games} games", f"{self.rows} of {self.n_envs}"

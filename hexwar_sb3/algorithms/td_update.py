@@ -111,7 +111,7 @@ class TDLearner:
         """λ-returns of the windows, in the batch's flat order."""
         table = (-1, self.window)
         target = lambda_returns(
-            reward.view(table),
+            reward.view(*table, reward.shape[1]),
             batch.discount.view(table),
             batch.terminated.view(table),
             next_value.view(*table, next_value.shape[1]),

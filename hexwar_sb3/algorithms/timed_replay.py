@@ -78,7 +78,7 @@ class TimedReplayBuffer(DictReplayBuffer):
         at = batch_inds, which
         last = rows[np.arange(len(rows)), inside.sum(axis=1) - 1], which
         rewards, discounts = n_step_return(
-            self.to_torch(self._normalize_reward(self.rewards[rows, which[:, None]], env)),
+            self.to_torch(self._normalize_reward(self.rewards[rows, which[:, None]], env)).unsqueeze(2),
             self.to_torch(self.gamma ** self.steps[rows, which[:, None]]),
             torch.as_tensor(inside, device=self.device),
         )

@@ -26,7 +26,7 @@ class JointActionEnv(gymnasium.Env[Obs, NDArray[np.int64]]):
     Agents may differ in actions and observations; shorter ones are padded, and a one-hot of the agent is
     added to what it sees. Masks are read from an observation of {"observation", "action_mask"} or from
     infos["action_mask"]. An agent that left, or has not come yet, is dead: only action 0 is valid for it, and
-    ignored; what it saw last stays, or is 0.
+    ignored; what it saw last stays, or is 0. info["rewards"] has each agent's own reward [N], 0 of who is dead.
 
     Args:
         env: a PettingZoo env, parallel or AEC; a Gymnasium env with a Tuple of actions and of observations; or a game as
@@ -99,13 +99,14 @@ class JointActionEnv(gymnasium.Env[Obs, NDArray[np.int64]]):
             self._last[:] = self._rows[0, picked]
         observed, rewards, terminated, truncated, infos = self.env.step(joint)
         self._observed |= observed
+        own = np.array([float(rewards.get(name, 0.0)) for name in self.names], np.float32)
         reward = sum(map(float, rewards.values())) / (1 if self._sum else len(rewards))
         ended = {name for name in joint if terminated[name] or truncated[name]}
         over = set(self.env.agents) <= ended  # others may have come
         cut = over and any(truncated[name] and not terminated[name] for name in joint)
         # PettingZoo empties `agents` at a time limit, yet its last observation is valued: nobody died of it.
         living = {name for name in joint if not terminated[name]} if cut else set(self.env.agents)
-        return self._observe(infos, living), reward, over and not cut, cut, {}
+        return self._observe(infos, living), reward, over and not cut, cut, {"rewards": own}
 
     def _joint(self, action: NDArray[np.int64]) -> dict[Any, int]:
         """Actions of the living agents, as the env inside names them."""

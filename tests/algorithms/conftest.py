@@ -51,7 +51,8 @@ class ToyEnv(gymnasium.Env[Obs, NDArray[np.int64]]):
         worth = np.take_along_axis(self.seen["tasks"][..., 0], action[:, None], axis=1)
         self.moment += 1
         ticks = 75 if self.moment % 2 else 150
-        return self.observe(), float(worth.sum()), self.moment == LENGTH, False, {"ticks": ticks}
+        info = {"ticks": ticks, "rewards": worth[:, 0]}
+        return self.observe(), float(worth.sum()), self.moment == LENGTH, False, info
 
     def observe(self) -> Obs:
         alive = np.array([1, 1, self.moment < LENGTH // 2], np.float32)

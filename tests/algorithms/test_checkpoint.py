@@ -59,6 +59,8 @@ def sha256(model: QMIX) -> str:
         {"buffer_size": 1_000},
         {"mixer": "vdn", "td_lambda": 0.8},
         {"memory": "gru", "n_steps": 6, "mixer": "ow-qmix"},
+        {"share_parameters": False, "memory": "gru", "n_steps": 6},
+        {"individual_rewards": True, "mixer": "iql"},
     ],
 )
 def test_resumed_is_unbroken(

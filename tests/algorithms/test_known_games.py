@@ -23,6 +23,7 @@ from tests.envs.matrix_games import (
     PENALTY,
     CueGame,
     MatrixGame,
+    OwnPayGame,
     RepeatedGame,
     TwoStepGame,
 )
@@ -146,6 +147,22 @@ def test_who_remembers_the_cue_is_paid(memory: str | None, least: float, most: f
     model = QMIX("TaskPolicy", games(CueGame), memory=memory, seed=0, **learner).learn(4_000)
 
     assert least <= greedy_return(model, episodes=40) <= most
+
+
+@pytest.mark.parametrize("share_parameters", [True, False])
+def test_each_learns_what_it_is_paid_itself(share_parameters: bool) -> None:
+    """The mean of both pays, which others learn from, is 0.5 to 2 for either, whatever the other does."""
+    learner = {**TWO_STEP, "mixer": "iql", "individual_rewards": True, "share_parameters": share_parameters}
+    model = QMIX("TaskPolicy", games(OwnPayGame), seed=0, **learner).learn(1_600)
+    obs, _ = JointActionEnv(OwnPayGame()).reset()
+    seen = situation_of({key: value[None] for key, value in obs.items()}, model.device)
+
+    for actions in ((0, 0), (1, 1)):
+        with torch.no_grad():
+            values = model.learner.mixed_value(seen, torch.tensor(actions))[0] * model.scale
+        np.testing.assert_allclose(
+            values, [pay[action] for pay, action in zip(OwnPayGame.PAY, actions, strict=True)], atol=0.1
+        )
 
 
 @pytest.mark.slow

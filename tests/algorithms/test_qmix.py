@@ -100,6 +100,25 @@ def test_a_policy_with_a_memory_is_not_frozen(make_model: MakeModel) -> None:
         make_model(memory="lstm")
 
 
+def test_a_policy_of_separate_networks_is_kept_and_not_frozen(
+    make_model: MakeModel, make_env: MakeEnv, tmp_path: Path
+) -> None:
+    model = make_model(share_parameters=False).learn(60)
+    model.save(tmp_path / "model.zip")
+    loaded, obs = QMIX.load(tmp_path / "model.zip"), first_look(make_env())
+
+    np.testing.assert_array_equal(
+        loaded.predict(obs, deterministic=True)[0], model.predict(obs, deterministic=True)[0]
+    )
+    with pytest.raises(ConfigError, match="share_parameters=True"):
+        model.policy.freeze()
+
+
+def test_rewards_of_ones_own_are_for_agents_that_learn_alone(make_model: MakeModel) -> None:
+    with pytest.raises(ConfigError, match="needs mixer='iql'"):
+        make_model(individual_rewards=True)
+
+
 def test_exploration_may_follow_env_steps(make_model: MakeModel) -> None:
     model = make_model(exploration_initial_eps=1.0, exploration_final_eps=0.5, exploration_steps=80)
     assert model.exploration_rate == 1.0

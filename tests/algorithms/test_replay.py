@@ -274,8 +274,8 @@ def test_a_snapshot_of_other_games_or_too_large_is_refused() -> None:
     add(buffer, 1)
     parts = buffer.snapshot()
 
-    games = {**parts, "reward": np.zeros((len(parts["reward"]) + 1, 1), np.float32)}
-    rows = {**parts, "reward": np.zeros((len(parts["reward"]), 999), np.float32)}
+    games = {**parts, "done": np.zeros((len(parts["done"]) + 1, 1), np.bool_)}
+    rows = {**parts, "done": np.zeros((len(parts["done"]), 999), np.bool_)}
     for broken in (games, rows):
         with pytest.raises(ConfigError, match="the stored replay holds"):
             buffer.restore(broken)

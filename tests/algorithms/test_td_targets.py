@@ -34,7 +34,9 @@ def test_gamma_is_the_discount_of_75_ticks(ticks: int, discount: float) -> None:
 def test_the_return_of_three_steps() -> None:
     """1 + 0.5·2 + 0.5·0.1·4 = 2.2, and 0.5·0.1·0.2 of what comes after."""
     reward, discount = n_step_return(
-        torch.tensor([[1.0, 2.0, 4.0]]), torch.tensor([[0.5, 0.1, 0.2]]), torch.ones(1, 3, dtype=torch.bool)
+        torch.tensor([[[1.0], [2.0], [4.0]]]),
+        torch.tensor([[0.5, 0.1, 0.2]]),
+        torch.ones(1, 3, dtype=torch.bool),
     )
 
     assert reward.item() == pytest.approx(2.2)
@@ -43,7 +45,9 @@ def test_the_return_of_three_steps() -> None:
 
 def test_steps_past_the_end_of_the_episode_count_nothing() -> None:
     reward, discount = n_step_return(
-        torch.tensor([[1.0, 2.0, 4.0]]), torch.tensor([[0.5, 0.1, 0.2]]), torch.tensor([[True, True, False]])
+        torch.tensor([[[1.0], [2.0], [4.0]]]),
+        torch.tensor([[0.5, 0.1, 0.2]]),
+        torch.tensor([[True, True, False]]),
     )
 
     assert reward.item() == pytest.approx(2.0)
@@ -53,18 +57,33 @@ def test_steps_past_the_end_of_the_episode_count_nothing() -> None:
 def test_every_row_of_a_batch_has_a_return_of_its_own() -> None:
     """One column each, as `qmix_target` takes them."""
     reward, discount = n_step_return(
-        torch.tensor([[1.0, 2.0], [3.0, 4.0]]), torch.full((2, 2), 0.5), torch.ones(2, 2, dtype=torch.bool)
+        torch.tensor([[[1.0], [2.0]], [[3.0], [4.0]]]),
+        torch.full((2, 2), 0.5),
+        torch.ones(2, 2, dtype=torch.bool),
     )
 
     assert reward.tolist() == [[2.0], [5.0]]
     assert discount.tolist() == [[0.25], [0.25]]
 
 
+def test_agents_with_rewards_of_their_own_have_returns_of_their_own() -> None:
+    rewards, step = torch.tensor([[[1.0, 10.0], [2.0, 20.0]]]), torch.full((1, 2), 0.5)
+    inside, values = torch.ones(1, 2, dtype=torch.bool), torch.tensor([[[4.0, 8.0], [40.0, 80.0]]])
+
+    reward, discount = n_step_return(rewards, step, inside)
+    assert reward.tolist() == [[2.0, 20.0]]
+    assert discount.tolist() == [[0.25]]
+    assert qmix_target(reward, torch.zeros(1, 1), values[:, 1], discount).tolist() == [[12.0, 40.0]]
+    assert lambda_returns(rewards, step, torch.zeros(1, 2), values, inside, 1.0).tolist() == [
+        [[12.0, 40.0], [22.0, 60.0]]
+    ]
+
+
 def returns(lambda_: float, terminated: tuple[float, ...], inside: tuple[bool, ...]) -> list[float]:
     """λ-returns of rewards 1, 2, 4 with γ = 0.5 and next values 10, 20, 40."""
     values = torch.tensor([[10.0, 20.0, 40.0]]).unsqueeze(2)
     result = lambda_returns(
-        torch.tensor([[1.0, 2.0, 4.0]]),
+        torch.tensor([[[1.0], [2.0], [4.0]]]),
         torch.full((1, 3), 0.5),
         torch.tensor([terminated]),
         values,

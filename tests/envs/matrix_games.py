@@ -126,6 +126,32 @@ class RepeatedGame(MatrixGame):
         return float(self.payoffs[row][column]), self.played == self.rounds
 
 
+class OwnPayGame(MatrixGame):
+    """Once; each is paid for its own action, by a table of its own: [agent][action]."""
+
+    PAY = (1.0, 0.0), (0.0, 3.0)
+
+    def __init__(self) -> None:
+        super().__init__(n_actions=2, n_features=1)
+
+    def state(self) -> Features:
+        """Nothing to see."""
+        return np.zeros(1, np.float32)
+
+    def begin(self) -> None:
+        """Nothing to forget."""
+
+    def play(self, row: int, column: int) -> tuple[float, bool]:
+        """Over; the pay is in `step`."""
+        return 0.0, True
+
+    def step(self, actions: dict[str, int]) -> Step:
+        """Pay each for its action."""
+        seen, _, ends, cuts, infos = super().step(actions)
+        pay = {name: self.PAY[i][actions[name]] for i, name in enumerate(AGENTS)}
+        return seen, pay, ends, cuts, infos
+
+
 class CueGame(MatrixGame):
     """Both see one of two cues, then nothing for a step; both are paid for what the cue said, in the last step alone."""
 

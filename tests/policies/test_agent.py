@@ -6,7 +6,13 @@ import pytest
 import torch
 from torch import Tensor
 
-from hexwar_sb3.policies.agent import AgentNetwork, LiteralAgentNetwork, MemoryAgentNetwork, TaskNetwork
+from hexwar_sb3.policies.agent import (
+    AgentNetwork,
+    LiteralAgentNetwork,
+    MemoryAgentNetwork,
+    SeparateNetworks,
+    TaskNetwork,
+)
 from hexwar_sb3.policies.task_sets import pack
 
 OBS, TASK = 11, 5
@@ -162,3 +168,39 @@ def test_a_memory_is_carried_from_step_to_step() -> None:
     assert not torch.allclose(other[0, -1, 0], at_once[0, -1, 0])
     torch.testing.assert_close(other[1], at_once[1])
     torch.testing.assert_close(other[0, :, 1:], at_once[0, :, 1:])
+
+
+@pytest.mark.parametrize("kind", [AgentNetwork, LiteralAgentNetwork, MemoryAgentNetwork])
+def test_separate_networks_give_each_piece_what_its_own_gives_it(
+    kind: type[AgentNetwork | LiteralAgentNetwork],
+) -> None:
+    torch.manual_seed(0)
+    games, pieces = 3, 4
+    (obs, tasks, mask), networks = random_sets(games, pieces), [kind(OBS, TASK) for _ in range(pieces)]
+    together, sets = SeparateNetworks(networks), pack(obs, tasks, mask)
+    chosen = torch.tensor([0] * (games * pieces))
+    its = torch.stack([network(obs, tasks, mask)[:, slot] for slot, network in enumerate(networks)], dim=1)
+
+    torch.testing.assert_close(together(obs, tasks, mask), its)
+    torch.testing.assert_close(
+        together.chosen(together.encode(sets, together.own(sets)), sets, chosen), its[:, :, 0].flatten()
+    )
+    assert together.remembers == (kind is MemoryAgentNetwork)
+    assert together.piece_layers == [network.piece for network in networks]
+
+
+def test_separate_networks_remember_each_for_itself() -> None:
+    torch.manual_seed(0)
+    agent, (runs, steps, pieces) = (
+        SeparateNetworks(MemoryAgentNetwork(OBS, TASK) for _ in range(3)),
+        (2, 5, 3),
+    )
+    obs = torch.randn(runs, steps, pieces, OBS)
+    tasks, mask = torch.randn(runs, steps, pieces, 2, TASK), torch.ones(runs, steps, pieces, 2)
+
+    at_once = agent.own_in_turn(pack(obs, tasks, mask), steps, pieces).view(runs, steps, pieces, -1)
+
+    memory = None
+    for k in range(steps):
+        memory = agent.own(pack(obs[:, k], tasks[:, k], mask[:, k]), memory)
+        torch.testing.assert_close(at_once[:, k].flatten(0, 1), memory)
