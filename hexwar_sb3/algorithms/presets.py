@@ -9,7 +9,9 @@ from typing import Any
 from hexwar_sb3.engine.world import load_world
 from hexwar_sb3.maps.scenario import ScenarioLike
 from hexwar_sb3.players.terms import DECISION_TICKS, Terms
+from hexwar_sb3.tasks.features import world_sizes
 from hexwar_sb3.tasks.hotspots import is_mirrored
+from hexwar_sb3.tasks.records import MAX_TASKS
 
 Settings = dict[str, Any]
 LEARNER = (
@@ -22,6 +24,8 @@ LEARNER = (
 """Settings that are arguments of QMIX."""
 FALLS = {"exploration_episodes": 0.4, "squad_episodes": 0.7}
 """Arguments of QMIX that are numbers of games: their share of a training, where the preset says nothing."""
+REPLAY_BYTES = 2 << 30
+"""Of a replay, unless more steps were asked for."""
 OF_POLICY = {"hidden": "int", "embed": "int", "mirrored": "bool"}  # of its networks, with their kinds
 PARTS = {
     **{name: ("env", name) for name in ("reward", "decisions", "spots", "priority")},
@@ -88,18 +92,30 @@ class Preset:
         """Arguments of QMIX for a training of so many games on a map.
 
         On a map that is its own mirror image the networks do not see which camp they play, unless the preset says so.
+        Where steps are larger the replay keeps fewer of them: `replay_room`.
         """
+        learner = dict(self.learner)
+        if "buffer_size" in learner:
+            learner["buffer_size"] = min(learner["buffer_size"], replay_room(scenario))
         falls = {name: max(1, int(share * games)) for name, share in FALLS.items()}
         policy = {
             "mirrored": is_mirrored(load_world(scenario).scenario),
             **self.learner.get("policy_kwargs", {}),
         }
-        return {**falls, **self.learner, "policy_kwargs": policy}
+        return {**falls, **learner, "policy_kwargs": policy}
 
     def lower_ticks(self, upper_ticks: int) -> int:
         """Game ticks of the lower level in a training with so many of the upper one."""
         upper, lower = self.phase_ticks
         return (upper_ticks - 1) // upper * lower  # a phase that is due at the end does not begin
+
+
+def replay_room(scenario: ScenarioLike) -> int:
+    """Steps of a scenario that `REPLAY_BYTES` have room for, with half of each task set valid."""
+    world = load_world(scenario)
+    width = world_sizes(world)
+    numbers = world.n_slots * (width.obs + MAX_TASKS // 2 * width.row) + width.state  # float16 each
+    return REPLAY_BYTES // (2 * numbers + world.n_slots * MAX_TASKS)
 
 
 PRESETS = {

@@ -94,7 +94,7 @@ class TrainSettings:
     td_lambda: OfPreset[float] = None  # of lambda-returns over n_steps; else n-step returns
     double_q: OfPreset[bool] = None  # the online network picks the next tasks
     gradient_steps: OfPreset[int] = None  # updates a finished game
-    buffer_size: OfPreset[int] = None  # env steps that the replay keeps, 9 KB each on the built-in maps
+    buffer_size: OfPreset[int] = None  # env steps that the replay keeps, 9 KB each with seven against seven
     stickiness: OfPreset[float] = None  # probability that an exploring piece keeps its random task
     exploration_initial_eps: OfPreset[float] = None  # probability of a random task at the start
     exploration_final_eps: OfPreset[float] = None  # probability of a random task in the end
@@ -226,7 +226,8 @@ class TrainSettings:
     @property
     def learner(self) -> dict[str, Any]:
         """Arguments of QMIX."""
-        return self.chosen.learner_for(self.games, self.scenario)
+        learner = self.chosen.learner_for(self.games, self.scenario)
+        return learner if self.buffer_size is None else {**learner, "buffer_size": self.buffer_size}
 
     @property
     def lower_learner(self) -> dict[str, Any]:

@@ -23,6 +23,7 @@ from hexwar_sb3.commands.run_folder import RunFolder
 from hexwar_sb3.commands.train import Train
 from hexwar_sb3.commands.train_settings import LOWER_SCENARIOS
 from hexwar_sb3.commands.training import make_env, new_model, players_of
+from hexwar_sb3.engine.game import Game
 from hexwar_sb3.engine.replay import Replay
 from hexwar_sb3.envs.registration import make_vec_env
 from hexwar_sb3.envs.route_settings import route_settings
@@ -151,8 +152,51 @@ def test_the_lower_level_learns_on_maps_that_the_upper_one_fits(tmp_path: Path) 
         "plain",
         *(name for name in LOWER_SCENARIOS if name != "plain"),
     ]
-    with pytest.raises(ConfigError, match=r"plain has \(7, 7, 2\) pieces .* has \(6, 6, 2\)"):
+    with pytest.raises(ConfigError, match=r"plain has \(7, 2\) pieces .* has \(6, 2\)"):
         Train(scenario=mine, lower_scenarios=("plain",)).run()
+
+
+def test_a_larger_war_keeps_fewer_steps_unless_more_are_asked_for() -> None:
+    assert Train().learner["buffer_size"] == Train(scenario="skirmish").learner["buffer_size"] == 100_000
+    assert 20_000 < Train(scenario="battalion").learner["buffer_size"] < 30_000
+    assert Train(scenario="battalion", buffer_size=50_000).learner["buffer_size"] == 50_000
+
+
+def test_three_against_five_through_training_and_measuring(hexwar: Command, tmp_path: Path) -> None:
+    """One policy for both camps, or for one, which is measured and exploited as that one alone."""
+    start = (
+        "map plain-20x11\npoint main 1006 80\nred tank 0203\nred chariot 0205\nred soldier aboard chariot0\n"
+    )
+    start += (
+        "blue tank 1703\nblue chariot 1705\nblue soldier aboard chariot0\nblue tank 1707\nblue aerocraft 1804"
+    )
+    mine = str(tmp_path / "mine.scenario.json")
+    save_scenario(Game.from_text(start).world.scenario, mine)
+    short = (
+        "train",
+        *SMALL,
+        "-n",
+        "200",
+        "--scenario",
+        mine,
+        "--decision-ticks",
+        "60",
+        "--runs",
+        str(tmp_path),
+    )
+
+    for side, camps in (("both", ["red", "blue"]), ("red", ["red"])):
+        assert hexwar(*short, "--side", side, "--name", side, "--no-constant-plans")[0] == 0
+        run = str(tmp_path / f"{side}_1")
+        code, out, _ = hexwar(
+            "evaluate", run, "--games", "2", "--opponents", "MA1", "--no-constant-plans", "--json"
+        )
+        assert (code, [row["camp"] for row in json.loads(out)["rows"]]) == (0, camps)
+    exploit = ("exploit", run, "--games", "8", "--every", "8", "--eval-games", "2", "--seeds", "1", "--json")
+    code, out, _ = hexwar(*exploit, "--output", str(tmp_path / "exploit"))
+    assert (code, list(json.loads(out)["camps"])) == (0, ["blue"])
+    code, out, _ = hexwar("match", run, "nearest", "--games", "2", "--json")
+    assert (code, json.loads(out)["scenario"].split()[0]) == (0, Game.from_text(start).world.scenario.name)
 
 
 def test_a_training_that_starts_from_a_model_has_games_of_its_own(tmp_path: Path) -> None:
