@@ -16,7 +16,7 @@ from hexwar_sb3.rules.enums import HopClass, PieceType
 from hexwar_sb3.rules.indices import CellIndex, cell_range
 
 TOO_FAR = 255  # base hops: unreachable, or more than 254
-MOST_BYTES, LEAST_ROWS = 256_000_000, 256  # of the rows that are kept; memory is taken as they are filled
+MOST_BYTES, LEAST_ROWS = 512_000_000, 256  # of the rows that are kept; memory is taken as they are filled
 _HEAD, _TAIL = 2 * len(HopClass), 4  # rows before them; bytes behind each
 _MOST_ROWS = 65_535 - _HEAD  # a row's number has two bytes
 
@@ -58,6 +58,11 @@ def no_times(n_cells: int) -> TravelTimes:
     eta = np.zeros((_HEAD + min(n_rows, _MOST_ROWS), n_cells + _TAIL), np.uint8)
     _put_number(0, _HEAD, cast("Any", eta))
     return cast("Any", eta)
+
+
+def asked(eta: TravelTimes) -> int:
+    """Rows that were asked for so far."""
+    return int((np.asarray(eta)[_HEAD:, -_TAIL:] != 0).any(axis=1).sum())
 
 
 @kernel
