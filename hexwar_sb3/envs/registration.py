@@ -30,6 +30,11 @@ class EnvKind:
         """Gymnasium's."""
         return f"hexwar_sb3.envs.{self.module}_env:{self.name}Env"
 
+    @property
+    def vector_entry_point(self) -> str:
+        """Gymnasium's, of many games in one call."""
+        return f"hexwar_sb3.envs.vector_env:{self.name}VectorEnv"
+
     def make(self, n_envs: int, settings: dict[str, Any], seed: int | None) -> VecEnv:
         """Make the native VecEnv."""
         envs = import_module(f"hexwar_sb3.envs.{self.module}_vec_env")
@@ -49,7 +54,9 @@ def register_envs() -> None:
     """Tell Gymnasium the ids of our envs (once)."""
     for env_id, kind in ENVS.items():
         if env_id not in gymnasium.registry:
-            gymnasium.register(env_id, entry_point=kind.entry_point)
+            gymnasium.register(
+                env_id, entry_point=kind.entry_point, vector_entry_point=kind.vector_entry_point
+            )
 
 
 def make_vec_env(

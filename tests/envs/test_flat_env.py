@@ -105,8 +105,8 @@ def test_stable_baselines3_makes_it_by_its_id_and_gets_a_picture() -> None:
     picture = env.render()
     assert picture is not None
     assert picture.ndim == 3
-    with pytest.raises(UnknownNameError, match="unknown render_mode 'human'"):
-        FlatEnv(render_mode="human")
+    with pytest.raises(UnknownNameError, match="unknown render_mode 'ansi'"):
+        FlatEnv(render_mode="ansi")
 
 
 def test_living_pieces_have_their_turns_by_slot_and_dead_ones_none() -> None:

@@ -133,7 +133,7 @@ def test_what_is_no_env_id_is_refused(wrong: Any) -> None:
 
 
 @pytest.mark.parametrize("env_id", ENVS)
-@pytest.mark.parametrize("wrong", ["human", 3, ["rgb_array"]])
+@pytest.mark.parametrize("wrong", ["ansi", 3, ["rgb_array"]])
 def test_a_render_mode_that_is_none_is_refused(env_id: str, wrong: Any) -> None:
     kind = gymnasium.spec(env_id).entry_point
     with pytest.raises(UnknownNameError, match="unknown render_mode"):
