@@ -46,6 +46,7 @@ class BatchedVectorEnv(VectorEnv[Obs, NDArray[np.int64], NDArray[Any]]):
         "render_fps": FPS,
         "autoreset_mode": AutoresetMode.SAME_STEP,
     }
+    autoreset_mode = AutoresetMode.SAME_STEP  # as `SyncVectorEnv` has it
     env_id: ClassVar[str]
 
     def __init__(
@@ -57,7 +58,7 @@ class BatchedVectorEnv(VectorEnv[Obs, NDArray[np.int64], NDArray[Any]]):
     ) -> None:
         if render_mode is not None:
             check_choice("render_mode", render_mode, self.metadata["render_modes"])
-        if autoreset_mode not in (AutoresetMode.SAME_STEP, AutoresetMode.SAME_STEP.value):
+        if autoreset_mode not in (self.autoreset_mode, self.autoreset_mode.value):
             raise ConfigError(
                 f"autoreset_mode of the batched engine is 'SameStep', got {autoreset_mode!r}: take"
                 " vectorization_mode='sync' for others"

@@ -9,6 +9,7 @@ from typing import Any
 import gymnasium
 import numpy as np
 import pytest
+from gymnasium.utils.env_checker import check_env
 from gymnasium.wrappers import RecordVideo
 
 from hexwar_sb3.envs.registration import ENVS
@@ -49,6 +50,11 @@ def test_a_window_follows_reset_and_step(env_id: str, pygame: Any) -> None:
     assert env.render() is None
     env.close()
     assert not pygame.display.get_init()
+
+
+@pytest.mark.parametrize("env_id", ENVS)
+def test_gymnasium_finds_nothing_wrong_with_any_mode(env_id: str, pygame: Any) -> None:
+    check_env(gymnasium.make(env_id).unwrapped)
 
 
 def test_without_pygame_it_is_said_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -165,3 +165,12 @@ def test_several_scenarios_are_a_list() -> None:
     assert route_settings({"scenario": ["plain", Path("b.scenario.json")]}).fields[0] == "plain"
     with pytest.raises(ConfigError, match="scenario is a name, a file or a Scenario, got <generator"):
         route_settings({"scenario": (name for name in ["plain"])})
+
+
+def test_settings_may_come_in_one_dict_as_sb3_takes_them() -> None:
+    env = make_vec_env("HexWarTask-v0", seed=0, env_kwargs={"decision_ticks": 150, "dtype": "float16"})
+    assert env.get_attr("games")[0].settings.decision_ticks == 150
+    with pytest.raises(UnknownSettingError, match="did you mean 'opponent'"):
+        make_vec_env(env_kwargs={"opponnt": "MA2"})
+    with pytest.raises(ConfigError, match="opponent: said by env_kwargs and by keyword"):
+        make_vec_env(env_kwargs={"opponent": "MA2"}, opponent="MA1")
