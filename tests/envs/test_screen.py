@@ -52,8 +52,9 @@ def test_a_window_follows_reset_and_step(env_id: str, pygame: Any) -> None:
     assert not pygame.display.get_init()
 
 
+@pytest.mark.usefixtures("pygame")
 @pytest.mark.parametrize("env_id", ENVS)
-def test_gymnasium_finds_nothing_wrong_with_any_mode(env_id: str, pygame: Any) -> None:
+def test_gymnasium_finds_nothing_wrong_with_any_mode(env_id: str) -> None:
     check_env(gymnasium.make(env_id).unwrapped)
 
 

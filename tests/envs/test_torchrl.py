@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
+from importlib import import_module
+from pathlib import Path
 from typing import Any
 
 import gymnasium
@@ -11,23 +15,15 @@ import pytest
 from hexwar_sb3.envs import hexwar_task_v0
 from hexwar_sb3.envs.registration import ENVS, FLAT_ENV, ROUTE_ENV, TASK_ENV
 
-SHORT = {"decision_ticks": 300}
+SHORT: dict[str, Any] = {"decision_ticks": 300}
 pytestmark = pytest.mark.filterwarnings("ignore")  # of TorchRL's own, which others' versions bring
-torchrl: Any = None
 
 
-@pytest.fixture(autouse=True, scope="module")
-def _installed() -> None:
-    global torchrl  # noqa: PLW0603  # imported where it is there, and without its warnings
+@pytest.fixture(scope="module")
+def torchrl() -> Any:
+    """Where it is installed; its import warns."""
     pytest.importorskip("torchrl", reason="torchrl is not installed")
-    import torchrl.envs as found
-
-    torchrl = found
-
-
-def masked(env: Any) -> Any:
-    """Let random actions keep to the mask."""
-    return torchrl.TransformedEnv(env, torchrl.ActionMask())
+    return import_module("torchrl.envs")
 
 
 def check_masks(steps: Any, action: Any = "action", mask: Any = "action_mask") -> None:
@@ -36,21 +32,25 @@ def check_masks(steps: Any, action: Any = "action", mask: Any = "action_mask") -
 
 @pytest.mark.parametrize("env_id", ENVS)
 @pytest.mark.parametrize("categorical", [True, False])
-def test_torchrl_finds_nothing_wrong(env_id: str, categorical: bool) -> None:
+def test_torchrl_finds_nothing_wrong(torchrl: Any, env_id: str, categorical: bool) -> None:
     torchrl.check_env_specs(torchrl.GymEnv(env_id, categorical_action_encoding=categorical))
 
 
 @pytest.mark.parametrize("env_id", [TASK_ENV, ROUTE_ENV])
-def test_masks_reach_the_action_spec(env_id: str) -> None:
+def test_masks_reach_the_action_spec(torchrl: Any, env_id: str) -> None:
     """`ActionMask` reads `action_mask` of the observation: no random action breaks the rules."""
-    env = masked(torchrl.GymEnv(env_id, categorical_action_encoding=True))
+    env = torchrl.TransformedEnv(
+        torchrl.GymEnv(env_id, categorical_action_encoding=True), torchrl.ActionMask()
+    )
     env.set_seed(0)
     check_masks(env.rollout(40, break_when_any_done=False))
 
 
-def test_the_flat_env_gets_its_mask_by_a_wrapper_of_gymnasiums() -> None:
+def test_the_flat_env_gets_its_mask_by_a_wrapper_of_gymnasiums(torchrl: Any) -> None:
     env = with_mask(gymnasium.make(FLAT_ENV, **SHORT))
-    env = masked(torchrl.GymWrapper(env, categorical_action_encoding=True))
+    env = torchrl.TransformedEnv(
+        torchrl.GymWrapper(env, categorical_action_encoding=True), torchrl.ActionMask()
+    )
     env.set_seed(0)
     check_masks(env.rollout(60, break_when_any_done=False))
 
@@ -66,7 +66,7 @@ def with_mask(env: Any) -> Any:
     )
 
 
-def test_the_batched_engine_is_one_env_with_many_games() -> None:
+def test_the_batched_engine_is_one_env_with_many_games(torchrl: Any) -> None:
     """What is stored as the next observation of a game that ended is its last one, not the next game's first."""
     venv = gymnasium.make_vec(TASK_ENV, num_envs=3, vectorization_mode="vector_entry_point", **SHORT)
     env = torchrl.GymWrapper(venv, categorical_action_encoding=True)
@@ -80,7 +80,7 @@ def test_the_batched_engine_is_one_env_with_many_games() -> None:
     assert not np.allclose(last.numpy(), first.numpy())
 
 
-def test_the_pettingzoo_view_has_groups_masks_and_state() -> None:
+def test_the_pettingzoo_view_has_groups_masks_and_state(torchrl: Any) -> None:
     env = hexwar_task_v0.parallel_env(camps="both", **SHORT)
     groups = {camp: [one for one in env.possible_agents if one.startswith(camp)] for camp in ("red", "blue")}
     options = {"use_mask": True, "categorical_actions": True, "return_state": True, "group_map": groups}
@@ -90,3 +90,11 @@ def test_the_pettingzoo_view_has_groups_masks_and_state() -> None:
     for camp in groups:
         check_masks(steps, (camp, "action"), (camp, "action_mask"))
     assert steps["state"].shape[-1] == env.state_space.shape[0]
+
+
+@pytest.mark.slow
+def test_benchmarl_trains_on_the_pettingzoo_view(tmp_path: Path) -> None:
+    pytest.importorskip("benchmarl", reason="benchmarl is not installed")
+    script = Path(__file__).parents[2] / "examples" / "benchmarl_qmix.py"
+    command = [sys.executable, "-W", "ignore", str(script)]
+    subprocess.run(command, check=True, capture_output=True, cwd=tmp_path, timeout=500)
