@@ -14,6 +14,7 @@ from torch import Tensor, nn
 
 from hexwar_sb3.errors import ConfigError
 from hexwar_sb3.players.frozen_lower import FrozenLower
+from hexwar_sb3.policies.activations import RELU, activation_of
 from hexwar_sb3.policies.trusted import TrustedFiles
 
 MASK = "action_mask"
@@ -76,19 +77,28 @@ class MaskedDQNPolicy(TrustedFiles, DQNPolicy):
 
     Args:
         args: as SB3's DQNPolicy: observation space, action space, learning rate as a function of SB3's progress.
-        options: further arguments of it, as net_arch (default [64, 64]); a features_extractor_class of your own
-            must leave the mask out.
+        options: further arguments of it, as net_arch (default [64, 64]) and activation_fn (a class, or a name such as
+            "tanh"); a features_extractor_class of your own must leave the mask out.
     """
 
     is_normalised = False  # what it sees was changed by a VecNormalize
 
     def __init__(self, *args: Any, **options: Any) -> None:
-        super().__init__(*args, **{"features_extractor_class": MaskedExtractor, **options})
+        super().__init__(*args, **_with_classes(options))
 
     def make_q_net(self) -> QNetwork:
         """Make a network with a features extractor of its own; the model moves it to its device."""
         options = self._update_features_extractor(self.net_args, features_extractor=None)
         return MaskedQNetwork(**options)
+
+
+def _with_classes(options: dict[str, Any]) -> dict[str, Any]:
+    """Arguments of SB3's policy: our extractor, and a class where a function between layers is named."""
+    return {
+        "features_extractor_class": MaskedExtractor,
+        **options,
+        "activation_fn": activation_of(options.get("activation_fn", RELU)),
+    }
 
 
 def freeze_lower(
@@ -104,7 +114,8 @@ def freeze_lower(
         about: what it was trained on.
 
     Raises:
-        ConfigError: it has other layers, or other functions between them, or learned from normalised observations.
+        ConfigError: it has other layers, or other functions between them, a features extractor of its own, or learned
+            from normalised observations.
     """
     if policy.is_normalised:
         raise ConfigError(
@@ -113,6 +124,9 @@ def freeze_lower(
     if policy.activation_fn is not nn.ReLU:
         raise ConfigError(f"a lower level has ReLU between its layers, got {policy.activation_fn.__name__}")
     chosen = policy.q_net if network is None else network
+    if type(chosen.features_extractor) is not MaskedExtractor:
+        found = type(chosen.features_extractor).__name__
+        raise ConfigError(f"a lower level reads the features as they are (MaskedExtractor), got {found}")
     layers = [layer for layer in chosen.q_net if isinstance(layer, nn.Linear)]
     if len(layers) != 3:
         raise ConfigError(f"a lower level has two hidden layers, got {len(layers) - 1}")
@@ -130,7 +144,7 @@ class MaskedQRDQNPolicy(TrustedFiles, QRDQNPolicy):
     is_normalised = False  # as in MaskedDQNPolicy
 
     def __init__(self, *args: Any, **options: Any) -> None:
-        super().__init__(*args, **{"features_extractor_class": MaskedExtractor, **options})
+        super().__init__(*args, **_with_classes(options))
 
     def make_quantile_net(self) -> QuantileNetwork:
         """Make a network with a features extractor of its own; the model moves it to its device."""

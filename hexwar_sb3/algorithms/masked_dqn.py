@@ -33,6 +33,7 @@ from hexwar_sb3.algorithms.ranges import (
     MOST_WIDTH,
     OPTIMIZER,
     WIDTH,
+    Choice,
     Misfit,
     Parts,
     Table,
@@ -47,6 +48,7 @@ from hexwar_sb3.algorithms.ranges import (
 from hexwar_sb3.algorithms.timed_replay import TimedReplayBuffer
 from hexwar_sb3.errors import ConfigError, TrainingError
 from hexwar_sb3.play.seeds import rng_array, rng_state
+from hexwar_sb3.policies.activations import ACTIVATIONS, named_activation
 from hexwar_sb3.policies.masked import MASK, MaskedDQNPolicy, MaskedQRDQNPolicy, check_masked_spaces
 
 Observation = Mapping[str, NDArray[Any]]
@@ -69,17 +71,24 @@ def updates_each(value: Any) -> int:
     return -1 if scalar(value) == -1 else Whole(1, MOST_BATCH)(value)
 
 
+def activation(value: Any) -> Any:
+    """A function between layers: its name where torch's has one, which a file can hold, or a class."""
+    found = named_activation(scalar(value))
+    if isinstance(found, str):
+        return Choice("activation_fn", ACTIVATIONS)(found)
+    if not isinstance(found, type) or not issubclass(found, torch.nn.Module):
+        raise Misfit(value, f"a class of torch.nn, or one of {', '.join(ACTIVATIONS)}")
+    return found
+
+
 POLICY_KWARGS: Table = {
     "net_arch": row_of(WIDTH, MOST_LAYERS),
+    "activation_fn": activation,
     "normalize_images": flag,
     "optimizer_kwargs": OPTIMIZER,
     "features_extractor_kwargs": Parts({"cnn_output_dim": WIDTH, "normalized_image": flag}),
 }
-CLASSES = (
-    "activation_fn",
-    "features_extractor_class",
-    "optimizer_class",
-)  # of the policy; no file holds them
+CLASSES = ("features_extractor_class", "optimizer_class")  # of the policy; no file holds them
 SETTINGS: Table = {
     **LEARNING,
     "policy_kwargs": Parts(POLICY_KWARGS, CLASSES),
@@ -171,7 +180,7 @@ class MaskedLearner(MaskedExploration, PlainZip):
         exploration_final_eps: and after `exploration_steps`.
         exploration_steps: env steps until then; a saved count, so a resumed run goes on where it was.
         max_grad_norm: gradients are clipped to it.
-        policy_kwargs: further arguments of the policy, as net_arch and, for QR-DQN, n_quantiles.
+        policy_kwargs: further arguments of the policy, as net_arch, activation_fn and, for QR-DQN, n_quantiles.
         stats_window_size: as in SB3.
         tensorboard_log: as in SB3.
         verbose: as in SB3.

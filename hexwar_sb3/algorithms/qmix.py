@@ -42,8 +42,10 @@ from hexwar_sb3.algorithms.ranges import (
     Table,
     Whole,
     flag,
+    mended,
     optional,
     options,
+    pair,
     row,
     scalar,
     setting,
@@ -56,6 +58,7 @@ from hexwar_sb3.algorithms.td_update import LOSSES, TDLearner
 from hexwar_sb3.engine.fields import check_form, check_names, check_range
 from hexwar_sb3.errors import ConfigError
 from hexwar_sb3.players.frozen import FrozenPolicy
+from hexwar_sb3.policies.activations import RELU, named_activation
 from hexwar_sb3.policies.agent import MEMORIES, NETWORKS
 from hexwar_sb3.policies.mixers import MIXERS, Mixer
 from hexwar_sb3.policies.shapes import SIZE_LIMITS, TaskShapes
@@ -111,9 +114,33 @@ POLICY_KWARGS = Parts(
     },
     others=("optimizer_class",),
 )
+
+
+def policy_kwargs(value: Any) -> dict[str, Any]:
+    """Arguments of the policy; `net_arch` and `activation_fn`, as SB3's policies have them, stand for ours.
+
+    Raises:
+        Misfit: other layers than the two of the agent network, or another function between them.
+        ConfigError: a width is said twice.
+    """
+    found = dict(value) if isinstance(value, Mapping) else value
+    if isinstance(found, dict) and "net_arch" in found:
+        expected = "two widths, [hidden, embed] of the agent network"
+        widths = mended("net_arch", found.pop("net_arch"), pair(WIDTH, WIDTH, expected))
+        if said := sorted({"hidden", "embed"} & set(found)):
+            raise ConfigError(f"policy_kwargs: net_arch is [hidden, embed], leave it or {said} out")
+        found["hidden"], found["embed"] = widths
+    if isinstance(found, dict) and "activation_fn" in found:
+        given = found.pop("activation_fn")
+        if named_activation(scalar(given)) != RELU:
+            expected = "torch.nn.ReLU: the network that plays without torch has no other function"
+            raise Misfit(given, expected, "activation_fn")
+    return POLICY_KWARGS(found)
+
+
 SETTINGS: Table = {
     **LEARNING,
-    "policy_kwargs": POLICY_KWARGS,
+    "policy_kwargs": policy_kwargs,
     "train_freq": update_every,
     "ema_tau": SHARE,
     "td_lambda": optional(SHARE),
@@ -179,7 +206,8 @@ class QMIX(TaskModel):
         squad_episodes: finished games until then.
         max_grad_norm: gradients are clipped to it.
         chunk_size: transitions computed at a time; gradients add up.
-        policy_kwargs: further arguments of the policy.
+        policy_kwargs: further arguments of the policy; net_arch=[64, 32], as SB3's policies have it, is hidden=64 and
+            embed=32.
         stats_window_size: as in SB3.
         tensorboard_log: as in SB3.
         verbose: as in SB3.

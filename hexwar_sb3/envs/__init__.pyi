@@ -7,3 +7,6 @@ from .registration import make_vec_env as make_vec_env
 from .registration import register_envs as register_envs
 from .route_env import RouteEnv as RouteEnv
 from .task_env import TaskEnv as TaskEnv
+from .vector_env import FlatVectorEnv as FlatVectorEnv
+from .vector_env import RouteVectorEnv as RouteVectorEnv
+from .vector_env import TaskVectorEnv as TaskVectorEnv

@@ -8,8 +8,9 @@ import gymnasium
 import numpy as np
 from numpy.typing import NDArray
 
-from hexwar_sb3.checks import check_choice
 from hexwar_sb3.envs.flat_games import FlatGames, flat_settings, flat_spaces
+from hexwar_sb3.envs.registration import FLAT_ENV
+from hexwar_sb3.envs.screen import METADATA, Frame, Screen
 
 
 class FlatEnv(gymnasium.Env[NDArray[Any], np.int64]):
@@ -30,7 +31,8 @@ class FlatEnv(gymnasium.Env[NDArray[Any], np.int64]):
     tell nothing of them.
 
     Args:
-        render_mode: "rgb_array": `render` draws what the learner's camp knows; None: it does not.
+        render_mode: "rgb_array": `render` draws what the learner's camp knows; "human": a window shows it after each
+            step (needs pygame: the extra "human"); None: nothing is drawn.
         settings: fields of `TaskSettings`, but for `lower` and `privileged_state`.
 
     Raises:
@@ -44,12 +46,10 @@ class FlatEnv(gymnasium.Env[NDArray[Any], np.int64]):
         >>> model = DQN("MlpPolicy", env, gamma=0.99 ** (1 / 7), buffer_size=20_000)
     """
 
-    metadata: dict[str, Any] = {"render_modes": ["rgb_array"], "render_fps": 4}  # noqa: RUF012  (Gymnasium declares it so)
+    metadata: dict[str, Any] = METADATA
 
     def __init__(self, render_mode: str | None = None, **settings: Any) -> None:
-        if render_mode is not None:
-            check_choice("render_mode", render_mode, self.metadata["render_modes"])
-        self.render_mode = render_mode
+        self.render_mode, self._screen = render_mode, Screen(render_mode, self._draw, FLAT_ENV)
         self.games = FlatGames(1, flat_settings(settings))
         self.observation_space, self.action_space = flat_spaces(self.games)
         super().reset(seed=self.games.first_seed)
@@ -62,6 +62,7 @@ class FlatEnv(gymnasium.Env[NDArray[Any], np.int64]):
             self.games.seed(seed)
         super().reset(seed=None if seed is None else int(seed))  # Gymnasium takes no integers of numpy
         self.games.begin(self.games.all)
+        self._screen.follow()
         return self.games.observe()[0], {}
 
     def step(self, action: np.int64) -> tuple[NDArray[Any], float, bool, bool, dict[str, Any]]:
@@ -73,12 +74,19 @@ class FlatEnv(gymnasium.Env[NDArray[Any], np.int64]):
             info["demo_actions"] = int(span.demo[0])
         if over:
             info |= self.games.outcome(0)
+        if info["ticks"]:
+            self._screen.follow()
         return self.games.observe()[0], float(span.reward[0]), over, False, info
 
-    def render(self) -> NDArray[np.uint8] | None:
-        """Draw what the learner's camp knows, [height, width, RGB]; None without a render mode."""
-        if self.render_mode is None:
-            return None
+    def render(self) -> Frame | None:
+        """Draw what the learner's camp knows, [height, width, RGB]; None without a render mode, or to a window."""
+        return self._screen.render()
+
+    def close(self) -> None:
+        """Close the window, if there is one."""
+        self._screen.close()
+
+    def _draw(self) -> Frame:
         from hexwar_sb3.envs.render import draw_position  # matplotlib: only where it is asked for
 
         return draw_position(self.games.arena, 0, int(self.games.camps[0]))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -14,7 +14,7 @@ from hexwar_sb3.envs.flat_games import FlatGames, flat_spaces
 from hexwar_sb3.envs.native_vec_env import NativeVecEnv
 from hexwar_sb3.envs.settings import TaskSettings
 from hexwar_sb3.envs.task_games import Span
-from hexwar_sb3.play.arena import Snapshot
+from hexwar_sb3.play.arena import Arena, Snapshot
 
 
 class FlatVecEnv(NativeVecEnv):
@@ -63,6 +63,14 @@ class FlatVecEnv(NativeVecEnv):
         """Count episodes from 0 again under this seed, or a drawn one; takes effect at the next reset."""
         self.games.seed(seed)
         return [self.games.first_seed] * self.num_envs
+
+    def seed_slots(self, seeds: Sequence[int]) -> None:
+        """Give every slot the episodes of a seed of its own, from 0 on; takes effect at the next reset."""
+        self.games.seed_slots(seeds)
+
+    def positions(self) -> Iterator[tuple[Arena, int, int]]:
+        """Where each game is to be found, and whose eyes see it: arena, number in it, camp of the learner."""
+        yield from self.games.positions()
 
     def set_demo_share(self, share: float) -> None:
         """Share of the episodes, from the next ones on, in which somebody shows the learner how to play."""

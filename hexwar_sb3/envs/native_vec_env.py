@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from abc import abstractmethod
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -9,6 +11,8 @@ from gymnasium import Wrapper
 from numpy.typing import NDArray
 from stable_baselines3.common.vec_env import VecEnv
 from stable_baselines3.common.vec_env.base_vec_env import VecEnvIndices
+
+from hexwar_sb3.play.arena import Arena
 
 
 class NativeVecEnv(VecEnv):
@@ -43,6 +47,24 @@ class NativeVecEnv(VecEnv):
     ) -> list[bool]:
         """No game has a wrapper of its own."""
         return [False for _ in self._get_indices(indices)]
+
+    @abstractmethod
+    def seed_slots(self, seeds: Sequence[int]) -> None:
+        """Give every slot the episodes of a seed of its own, from 0 on; takes effect at the next reset."""
+
+    @abstractmethod
+    def action_masks(self) -> NDArray[np.bool_]:
+        """Valid actions of every game, flat [n, ...] (sb3-contrib)."""
+
+    @abstractmethod
+    def positions(self) -> Iterator[tuple[Arena, int, int]]:
+        """Where each game is to be found, and whose eyes see it: arena, number in it, camp of the learner."""
+
+    def frames(self) -> list[NDArray[np.uint8]]:
+        """Draw what the learner's camp knows of every game [height, width, RGB]."""
+        from hexwar_sb3.envs.render import draw_position  # matplotlib: only where it is asked for
+
+        return [draw_position(*place) for place in self.positions()]
 
     def close(self) -> None:
         """Nothing to release."""

@@ -13,6 +13,7 @@ from pettingzoo import ParallelEnv
 from hexwar_sb3.checks import check_choice
 from hexwar_sb3.engine.roster import SIDES, camp_name, parse_camp
 from hexwar_sb3.engine.world import load_world
+from hexwar_sb3.envs.screen import METADATA, Frame, Screen
 from hexwar_sb3.envs.settings import TaskSettings, task_settings
 from hexwar_sb3.envs.task_games import Obs, box_of, check_pieces, fitting_mixture
 from hexwar_sb3.errors import ConfigError, UnknownNameError
@@ -26,6 +27,7 @@ from hexwar_sb3.rules.enums import Camp
 from hexwar_sb3.tasks.records import MAX_TASKS
 
 CAMPS = ("red", "blue", "both")
+NAME = "hexwar_task_v0"  # as PettingZoo writes names
 
 
 class TaskParallelEnv(ParallelEnv[str, Obs, int]):  # type: ignore[misc]  # PettingZoo ships no types
@@ -38,13 +40,15 @@ class TaskParallelEnv(ParallelEnv[str, Obs, int]):  # type: ignore[misc]  # Pett
     Args:
         settings: the env's settings; `side` stands for itself, `opponent` for the camp not played.
         camps: "red", "blue" or "both".
+        render_mode: "rgb_array": `render` draws what the first camp knows; "human": a window shows it after each step
+            (needs pygame: the extra "human"); None: nothing is drawn.
     """
 
-    metadata: ClassVar[dict[str, Any]] = {"name": "hexwar_task_v0", "render_modes": []}
-    render_mode = None
+    metadata: ClassVar[dict[str, Any]] = {"name": NAME, "is_parallelizable": True, **METADATA}
 
-    def __init__(self, settings: TaskSettings, camps: str = "both") -> None:
+    def __init__(self, settings: TaskSettings, camps: str = "both", render_mode: str | None = None) -> None:
         check_choice("camps", camps, CAMPS)
+        self.render_mode, self._screen = render_mode, Screen(render_mode, self._draw, NAME)
         self.camps = SIDES if camps == "both" else (parse_camp(camps),)
         world = load_world(settings.scenario)
         check_pieces(world)
@@ -62,6 +66,7 @@ class TaskParallelEnv(ParallelEnv[str, Obs, int]):  # type: ignore[misc]  # Pett
         self._places = {agent: self._place(agent) for agent in self.possible_agents}
         self._action_spaces = {agent: spaces.Discrete(MAX_TASKS) for agent in self.possible_agents}
         self._observation_spaces = {agent: self._space(agent) for agent in self.possible_agents}
+        self.state_space = box_of("state", self.state())  # of `state`
         self._seed, self._episode = chosen_seed(None), 0
 
     def observation_space(self, agent: str) -> spaces.Dict:
@@ -82,6 +87,7 @@ class TaskParallelEnv(ParallelEnv[str, Obs, int]):  # type: ignore[misc]  # Pett
         self._episode += 1
         self.agents = list(self.possible_agents)
         self._look()
+        self._screen.follow()
         return {agent: self._observe(agent) for agent in self.agents}, {agent: {} for agent in self.agents}
 
     def step(
@@ -113,6 +119,7 @@ class TaskParallelEnv(ParallelEnv[str, Obs, int]):  # type: ignore[misc]  # Pett
         acted = self.agents
         ended = {agent: over or not self._is_alive(agent) for agent in acted}
         self.agents = [agent for agent in acted if not ended[agent]]
+        self._screen.follow()
         return (
             {agent: self._observe(agent) for agent in acted},
             {agent: gain[self._places[agent][0]] for agent in acted},
@@ -125,11 +132,18 @@ class TaskParallelEnv(ParallelEnv[str, Obs, int]):  # type: ignore[misc]  # Pett
         """The truth, in the first camp's frame [Ds]; for training only."""
         return self.sights[self.camps[0]].obs["state"][0].copy()
 
-    def render(self) -> None:
-        """Nothing is drawn here: see `Game` for pictures."""
+    def render(self) -> Frame | None:
+        """Draw what the first camp knows, [height, width, RGB]; None without a render mode, or to a window."""
+        return self._screen.render()
 
     def close(self) -> None:
-        """Nothing to release."""
+        """Close the window, if there is one."""
+        self._screen.close()
+
+    def _draw(self) -> Frame:
+        from hexwar_sb3.envs.render import draw_position  # matplotlib: only where it is asked for
+
+        return draw_position(self.arena, 0, int(self.camps[0]))
 
     def _seats(self) -> tuple[Seat | None, Seat | None]:
         self._opponent = self.mixture.draw(self._seed, self._episode, self.encounters.urgency)
@@ -204,12 +218,15 @@ def _whole(agent: str, action: object) -> int:
         raise ConfigError(f"agent {agent!r}: {error}") from error
 
 
-def parallel_env(scenario: Any = "plain", camps: str = "both", **settings: Any) -> TaskParallelEnv:
+def parallel_env(
+    scenario: Any = "plain", camps: str = "both", render_mode: str | None = None, **settings: Any
+) -> TaskParallelEnv:
     """PettingZoo's parallel view of the task env.
 
     Args:
         scenario: name, file or object.
         camps: "red", "blue" (the other one is the `opponent`) or "both".
+        render_mode: "rgb_array", "human" or None.
         settings: see `TaskSettings`.
 
     Example:
@@ -218,4 +235,4 @@ def parallel_env(scenario: Any = "plain", camps: str = "both", **settings: Any) 
         >>> list(observations)[:2]
         ['red:tank0', 'red:tank1']
     """
-    return TaskParallelEnv(task_settings({"scenario": scenario, **settings}), camps)
+    return TaskParallelEnv(task_settings({"scenario": scenario, **settings}), camps, render_mode)

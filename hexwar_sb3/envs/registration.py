@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 import gymnasium
 
-from hexwar_sb3.errors import UnknownNameError
+from hexwar_sb3.errors import ConfigError, UnknownNameError
 
 if TYPE_CHECKING:
     from stable_baselines3.common.vec_env import VecEnv, VecMonitor
@@ -30,6 +31,11 @@ class EnvKind:
         """Gymnasium's."""
         return f"hexwar_sb3.envs.{self.module}_env:{self.name}Env"
 
+    @property
+    def vector_entry_point(self) -> str:
+        """Gymnasium's, of many games in one call."""
+        return f"hexwar_sb3.envs.vector_env:{self.name}VectorEnv"
+
     def make(self, n_envs: int, settings: dict[str, Any], seed: int | None) -> VecEnv:
         """Make the native VecEnv."""
         envs = import_module(f"hexwar_sb3.envs.{self.module}_vec_env")
@@ -49,11 +55,18 @@ def register_envs() -> None:
     """Tell Gymnasium the ids of our envs (once)."""
     for env_id, kind in ENVS.items():
         if env_id not in gymnasium.registry:
-            gymnasium.register(env_id, entry_point=kind.entry_point)
+            gymnasium.register(
+                env_id, entry_point=kind.entry_point, vector_entry_point=kind.vector_entry_point
+            )
 
 
 def make_vec_env(
-    env_id: str = TASK_ENV, n_envs: int = 1, seed: int | None = None, **settings: Any
+    env_id: str = TASK_ENV,
+    n_envs: int = 1,
+    seed: int | None = None,
+    *,
+    env_kwargs: Mapping[str, Any] | None = None,
+    **settings: Any,
 ) -> VecMonitor:
     """Make the native VecEnv of an id, monitored.
 
@@ -63,12 +76,13 @@ def make_vec_env(
         env_id: "HexWarTask-v0", "HexWarRoute-v0" or "HexWarFlat-v0".
         n_envs: games that are stepped together.
         seed: of the episodes; episode k of a seed is the same game with any `n_envs`. None draws one.
+        env_kwargs: settings of the env in one dict, as SB3's own `make_vec_env` takes them.
         settings: of the env, see `TaskSettings`, `RouteSettings`.
 
     Raises:
         UnknownNameError: no such env, scenario, opponent or choice.
         UnknownSettingError: no such setting.
-        ConfigError: a setting is out of its range, or a player does not fit the scenario.
+        ConfigError: a setting is out of its range or said twice, or a player does not fit the scenario.
 
     Example:
         >>> env = make_vec_env("HexWarTask-v0", n_envs=16, opponent=[("MA1", 2), ("MA2", 1)])
@@ -80,5 +94,7 @@ def make_vec_env(
 
     if str(env_id) not in ENVS:
         raise UnknownNameError("env", str(env_id), ENVS)
-    kind = ENVS[env_id]
+    if twice := sorted(settings.keys() & (env_kwargs or {}).keys()):
+        raise ConfigError(f"{', '.join(twice)}: said by env_kwargs and by keyword; leave one out")
+    kind, settings = ENVS[env_id], {**(env_kwargs or {}), **settings}
     return VecMonitor(kind.make(n_envs, settings, seed), info_keywords=kind.outcome)

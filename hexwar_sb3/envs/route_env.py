@@ -8,9 +8,10 @@ import gymnasium
 import numpy as np
 from numpy.typing import NDArray
 
-from hexwar_sb3.checks import check_choice
+from hexwar_sb3.envs.registration import ROUTE_ENV
 from hexwar_sb3.envs.route_settings import route_settings
 from hexwar_sb3.envs.route_vec_env import Obs, RouteVecEnv, route_spaces
+from hexwar_sb3.envs.screen import METADATA, Frame, Screen
 
 
 class RouteEnv(gymnasium.Env[Obs, np.int64]):
@@ -24,7 +25,8 @@ class RouteEnv(gymnasium.Env[Obs, np.int64]):
     tell nothing of them.
 
     Args:
-        render_mode: "rgb_array": `render` draws what the learner's camp knows; None: it does not.
+        render_mode: "rgb_array": `render` draws what the learner's camp knows; "human": a window shows it after each
+            step (needs pygame: the extra "human"); None: nothing is drawn.
         settings: fields of `RouteSettings`; one scenario.
 
     Raises:
@@ -39,12 +41,10 @@ class RouteEnv(gymnasium.Env[Obs, np.int64]):
         array([0, 1, 1, 1, 1, 1, 1], dtype=int8)
     """
 
-    metadata: dict[str, Any] = {"render_modes": ["rgb_array"], "render_fps": 4}  # noqa: RUF012  (Gymnasium declares it so)
+    metadata: dict[str, Any] = METADATA
 
     def __init__(self, render_mode: str | None = None, **settings: Any) -> None:
-        if render_mode is not None:
-            check_choice("render_mode", render_mode, self.metadata["render_modes"])
-        self.render_mode = render_mode
+        self.render_mode, self._screen = render_mode, Screen(render_mode, self._draw, ROUTE_ENV)
         self.settings = route_settings(settings)
         self.venv = RouteVecEnv(1, self.settings)
         self.observation_space, self.action_space = route_spaces()  # type: ignore[assignment]
@@ -60,6 +60,7 @@ class RouteEnv(gymnasium.Env[Obs, np.int64]):
             self._next = None
         super().reset(seed=None if seed is None else int(seed))  # Gymnasium takes no integers of numpy
         obs, self._next = self._next or _first(self.venv.reset()), None
+        self._screen.follow()
         return obs, {}
 
     def step(self, action: np.int64) -> tuple[Obs, float, bool, bool, dict[str, Any]]:
@@ -70,12 +71,18 @@ class RouteEnv(gymnasium.Env[Obs, np.int64]):
         self._next = _first(obs) if dones[0] else None
         last = info.pop("terminal_observation", None) or _first(obs)
         cut = bool(info.pop("TimeLimit.truncated", False))
+        self._screen.follow()
         return last, float(rewards[0]), bool(dones[0]) and not cut, cut, info
 
-    def render(self) -> NDArray[np.uint8] | None:
-        """Draw what the learner's camp knows, [height, width, RGB]; None without a render mode."""
-        if self.render_mode is None:
-            return None
+    def render(self) -> Frame | None:
+        """Draw what the learner's camp knows, [height, width, RGB]; None without a render mode, or to a window."""
+        return self._screen.render()
+
+    def close(self) -> None:
+        """Close the window, if there is one."""
+        self._screen.close()
+
+    def _draw(self) -> Frame:
         from hexwar_sb3.envs.render import draw_position  # matplotlib: only where it is asked for
 
         tasks = self.venv.fields[0].tasks

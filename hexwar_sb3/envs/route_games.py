@@ -6,6 +6,7 @@ place. Then the next piece of the same game takes its turn, so that all types of
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,6 +15,7 @@ from numpy.typing import NDArray
 from hexwar_sb3.engine.fields import check_all, check_form, check_names, check_range
 from hexwar_sb3.engine.records import NEVER, NO_CELL, NO_PIECE
 from hexwar_sb3.engine.roster import parse_camp
+from hexwar_sb3.envs.route_draws import Draws
 from hexwar_sb3.envs.route_settings import RANDOM_UPPER, RouteSettings
 from hexwar_sb3.envs.task_games import TaskGames
 from hexwar_sb3.envs.turns import NO_FOCUS, send_away, take_turns
@@ -100,8 +102,12 @@ class RouteGames:
 
     def seed(self, seed: int) -> None:
         """Count games from 0 again, under another seed."""
-        self.tasks.seed(seed)
-        self.rng = np.random.default_rng([seed, len(self.all)])
+        self.seed_slots([seed])
+
+    def seed_slots(self, seeds: Sequence[int]) -> None:
+        """Count games from 0 again: those of one seed for all slots, or of a seed a slot, as an env of one game has them."""
+        self.tasks.seed_slots(seeds)
+        self.draws = Draws(seeds, self.n_games)
         self.focus.turn[:] = -1
 
     def set_upper(self, upper: object) -> None:
@@ -212,17 +218,17 @@ class RouteGames:
         obs = {key: value[which] for key, value in self.tasks.look(which).items()}
         mask = obs["action_mask"] != 0
         if self.upper is None:
-            wanted = self._random_tasks(mask)
+            wanted = self._random_tasks(which, mask)
         else:
             wanted = check_tasks(self.upper.act(obs), mask.shape[:2])
         self.arena.choose(which, which, self.tasks.camps[which], wanted, self.tasks.sight)
-        kept = self.rng.random(pieces.shape) < self.settings.keep_task
+        kept = self.draws.random(which, pieces.shape[1:]) < self.settings.keep_task
         kept |= (pieces == self.focus.piece[which, None]) & (
             self.focus.hops[which, None] <= 1
         )  # a hop at least
         kept &= there & (before.state != ENDED) & (before.chosen_at >= 0)
         self.arena.missions[which.repeat(pieces.shape[1])[kept.ravel()], pieces[kept]] = before[kept]
-        wanders = ~kept & (self.rng.random(pieces.shape) < self.settings.wander)
+        wanders = ~kept & (self.draws.random(which, pieces.shape[1:]) < self.settings.wander)
         wanders = there & (wanders | self._idle[which, None])
         self._wander(which.repeat(pieces.shape[1])[wanders.ravel()], pieces[wanders])
         self.arena.missions.chosen_at[at] = self.arena.state.games.tick[which][:, None]
@@ -234,14 +240,14 @@ class RouteGames:
         there = pieces < end[:, None]
         return np.where(there, pieces, first[:, None]), there
 
-    def _random_tasks(self, mask: NDArray[np.bool_]) -> NDArray[np.int64]:
-        """Draw a valid task for every piece: mask [..., K] -> [...]."""
-        return np.asarray((self.rng.random(mask.shape) * mask).argmax(axis=-1))
+    def _random_tasks(self, which: Games, mask: NDArray[np.bool_]) -> NDArray[np.int64]:
+        """Draw a valid task for every piece of these games: mask [n, N, K] -> [n, N]."""
+        return np.asarray((self.draws.random(which, mask.shape[1:]) * mask).argmax(axis=-1))
 
     def _wander(self, which: Games, own: NDArray[np.int64]) -> None:
         """Send pieces own[k] of games which[k] to random cells that they can reach; some set their passenger down."""
-        goals = self._passable[self.rng.integers(len(self._passable), size=len(own))]
-        drops = self.rng.random(len(own)) < DROP_SHARE
+        cells, shares = self.draws.walks(which, len(self._passable))
+        goals, drops = self._passable[cells], shares < DROP_SHARE
         state, world = self.arena.state, self.arena.world
         send_away(
             which, own, goals, drops, state.games, state.pieces, self.arena.missions,
@@ -347,7 +353,7 @@ class RouteGames:
     def snapshot(self) -> Snapshot:
         """Everything that changes in play, as arrays."""
         focus = {f"focus_{name}": value.copy() for name, value in vars(self.focus).items()}
-        return {**self.tasks.snapshot(), **focus, "rng": rng_array(self.rng)}
+        return {**self.tasks.snapshot(), **focus, "rng": rng_array(self.draws.first)}
 
     def restore(self, snapshot: Snapshot) -> None:
         """Go on where `snapshot` was taken, in an env of the same settings.
@@ -363,7 +369,8 @@ class RouteGames:
         self._lead_focal(self.all)
         waiting = self._waiting(snapshot)
         self.arena.drives.waiting[:, : waiting.shape[1]] = waiting
-        self.rng.bit_generator.state = rng_state(snapshot["rng"], "rng")
+        self.draws = Draws([self.tasks.first_seed], self.n_games)
+        self.draws.first.bit_generator.state = rng_state(snapshot["rng"], "rng")
 
     def check(self, snapshot: Snapshot) -> None:
         """Check a snapshot, whatever wrote it, before anything is changed.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import Executor, wait
 from typing import Any, TypeAlias, TypeVar
 
@@ -17,7 +17,7 @@ from hexwar_sb3.envs.native_vec_env import NativeVecEnv
 from hexwar_sb3.envs.route_games import Hop, RouteGames, check_leader
 from hexwar_sb3.envs.route_settings import RouteSettings
 from hexwar_sb3.envs.snapshots import placed
-from hexwar_sb3.play.arena import Snapshot
+from hexwar_sb3.play.arena import Arena, Snapshot
 from hexwar_sb3.play.seeds import chosen_seed
 from hexwar_sb3.players.fit import check_actions
 from hexwar_sb3.players.frozen_lower import make_lower
@@ -102,6 +102,16 @@ class RouteVecEnv(NativeVecEnv):
         for games in self.fields:
             games.seed(self.first_seed)
         return [self.first_seed] * self.num_envs
+
+    def seed_slots(self, seeds: Sequence[int]) -> None:
+        """Give every slot the episodes of a seed of its own, from 0 on; takes effect at the next reset."""
+        for games, part in zip(self.fields, self._slices, strict=True):
+            games.seed_slots(seeds[part])
+
+    def positions(self) -> Iterator[tuple[Arena, int, int]]:
+        """Where each game is to be found, and whose eyes see it: arena, number in it, camp of the learner."""
+        for games in self.fields:
+            yield from games.tasks.positions()
 
     def set_upper(self, upper: object) -> None:
         """Let another policy give the tasks, from the next decision on."""

@@ -9,7 +9,8 @@ import numpy as np
 from gymnasium import spaces
 from numpy.typing import NDArray
 
-from hexwar_sb3.checks import check_choice
+from hexwar_sb3.envs.registration import TASK_ENV
+from hexwar_sb3.envs.screen import METADATA, Frame, Screen
 from hexwar_sb3.envs.settings import task_settings
 from hexwar_sb3.envs.task_games import Obs, TaskGames, action_space, observation_space
 from hexwar_sb3.players.frozen_lower import Lower
@@ -22,7 +23,8 @@ class TaskEnv(gymnasium.Env[Obs, NDArray[np.int64]]):
     tell nothing of them.
 
     Args:
-        render_mode: "rgb_array": `render` draws what the learner's camp knows; None: it does not.
+        render_mode: "rgb_array": `render` draws what the learner's camp knows; "human": a window shows it after each
+            step (needs pygame: the extra "human"); None: nothing is drawn.
         settings: fields of `TaskSettings`.
 
     Raises:
@@ -39,12 +41,10 @@ class TaskEnv(gymnasium.Env[Obs, NDArray[np.int64]]):
         75
     """
 
-    metadata: dict[str, Any] = {"render_modes": ["rgb_array"], "render_fps": 4}  # noqa: RUF012  (Gymnasium declares it so)
+    metadata: dict[str, Any] = METADATA
 
     def __init__(self, render_mode: str | None = None, **settings: Any) -> None:
-        if render_mode is not None:
-            check_choice("render_mode", render_mode, self.metadata["render_modes"])
-        self.render_mode = render_mode
+        self.render_mode, self._screen = render_mode, Screen(render_mode, self._draw, TASK_ENV)
         self.games = TaskGames(1, task_settings(settings))
         self.observation_space = cast("spaces.Space[Obs]", observation_space(self.games.sight))
         self.action_space = action_space(self.games.sight)
@@ -58,7 +58,9 @@ class TaskEnv(gymnasium.Env[Obs, NDArray[np.int64]]):
             self.games.seed(seed)
         super().reset(seed=None if seed is None else int(seed))  # Gymnasium takes no integers of numpy
         self.games.begin(self.games.all)
-        return self._observe(), {}
+        obs = self._observe()
+        self._screen.follow()
+        return obs, {}
 
     def step(self, action: NDArray[np.int64]) -> tuple[Obs, float, bool, bool, dict[str, Any]]:
         """Play one decision (Delta-t ticks) with a task index per piece; the last tick is the end."""
@@ -69,12 +71,18 @@ class TaskEnv(gymnasium.Env[Obs, NDArray[np.int64]]):
         info["current_tasks"] = self.games.current_tasks({key: value[None] for key, value in obs.items()})[0]
         if over:
             info |= self.games.outcome(0)
+        self._screen.follow()
         return obs, float(span.reward[0]), over, False, info
 
-    def render(self) -> NDArray[np.uint8] | None:
-        """Draw what the learner's camp knows, [height, width, RGB]; None without a render mode."""
-        if self.render_mode is None:
-            return None
+    def render(self) -> Frame | None:
+        """Draw what the learner's camp knows, [height, width, RGB]; None without a render mode, or to a window."""
+        return self._screen.render()
+
+    def close(self) -> None:
+        """Close the window, if there is one."""
+        self._screen.close()
+
+    def _draw(self) -> Frame:
         from hexwar_sb3.envs.render import draw_position  # matplotlib: only where it is asked for
 
         return draw_position(self.games.arena, 0, int(self.games.camps[0]))

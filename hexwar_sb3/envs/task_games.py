@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -99,12 +99,22 @@ class TaskGames:
 
     def seed(self, seed: int | None) -> None:
         """Count episodes from 0 again, under another seed; None draws one."""
-        self._seed, self._next_episode, self._turn = chosen_seed(seed), 0, 0
+        self.seed_slots([chosen_seed(seed)])
+
+    def seed_slots(self, seeds: Sequence[int]) -> None:
+        """Count episodes from 0 again: those of one seed for all slots, or of a seed a slot, as an env of one game has them."""
+        self._seeds, self._next_episodes, self._turn = list(seeds), [0] * len(seeds), 0
 
     @property
     def first_seed(self) -> int:
         """The seed of the episodes, as it was given or drawn."""
-        return self._seed
+        return self._seeds[0]
+
+    def _next_episode(self, b: int) -> tuple[int, int]:
+        """Seed and number of the episode that begins in a slot."""
+        k = b % len(self._seeds)
+        episode, self._next_episodes[k] = self._next_episodes[k], self._next_episodes[k] + 1
+        return self._seeds[k], episode
 
     @property
     def sight(self) -> Sight:
@@ -114,19 +124,19 @@ class TaskGames:
     def begin(self, which: Games) -> None:
         """Start the next episodes in these slots."""
         for b in which:
-            episode, self._next_episode = self._next_episode, self._next_episode + 1
+            first, episode = self._next_episode(int(b))
             self.episodes[b] = episode
             self.camps[b] = self.camp_of(episode)
-            self.opponents[b] = self.mixture.draw(self._seed, episode, self.encounters.urgency)
+            self.opponents[b] = self.mixture.draw(first, episode, self.encounters.urgency)
             met = int(self.opponents[b])
-            self.rivals[b] = self.encounters.seat(met, self.mixture.players[met], self._seed, episode)
-            self._draw_show(int(b), episode_draw(self._seed, episode, _DEMO_STREAM))
+            self.rivals[b] = self.encounters.seat(met, self.mixture.players[met], first, episode)
+            self._draw_show(int(b), episode_draw(first, episode, _DEMO_STREAM))
             recorded = self._recorded(int(b))
-            seed = game_seed(self._seed, episode) if recorded is None else recorded.seed
+            seed = game_seed(first, episode) if recorded is None else recorded.seed
             self.arena.begin(int(b), seed, *self._seats(int(b)))
             self._lead(int(b))
             self.arena.drives[b].asked[self.camps[b]] = 1
-            self._warm_up(int(b), episode_draw(self._seed, episode, _WARM_STREAM))
+            self._warm_up(int(b), episode_draw(first, episode, _WARM_STREAM))
 
     def _draw_show(self, b: int, rng: np.random.Generator) -> None:
         """Draw whether somebody shows the learner how to play this game, and who."""
@@ -248,6 +258,11 @@ class TaskGames:
         recorded = self._recorded(b)
         return _label(self.rivals[b]) if recorded is None else recorded.names[1 - self.camps[b]]
 
+    def positions(self) -> Iterator[tuple[Arena, int, int]]:
+        """Of every game: the arena, its number there, and the learner's camp."""
+        for b, camp in enumerate(self.camps.tolist()):
+            yield self.arena, b, camp
+
     def current_tasks(self, obs: Obs) -> NDArray[np.int64]:
         """Row of each piece's task under way in the task sets of an observation; -1: it is not there [n, N]."""
         same = (obs["tasks"][..., _UNDER_WAY] > 0) & (obs["action_mask"] != 0)
@@ -258,9 +273,15 @@ class TaskGames:
         return self.arena.scores(self.all, self.camps, net=self.settings.reward == "net")
 
     def snapshot(self) -> Snapshot:
-        """Everything that changes in play, as arrays without objects."""
+        """Everything that changes in play, as arrays without objects.
+
+        Raises:
+            ConfigError: every slot has a seed of its own.
+        """
+        if len(self._seeds) > 1:
+            raise ConfigError("no snapshot is taken of games that have a seed each")
         slots = {name: array.copy() for name, array in self._slots().items()}
-        counters = np.array([self._seed, self._next_episode], np.int64)
+        counters = np.array([*self._seeds, *self._next_episodes], np.int64)
         others = {**self.encounters.snapshot(), **self.demonstrations.snapshot()}
         return {**self.arena.snapshot(), **slots, **others, "counters": counters, "origin": self.origin}
 
@@ -280,7 +301,7 @@ class TaskGames:
         for name, array in self._slots().items():
             array[...] = snapshot[name]
         self.shown = self._shown_in(snapshot).copy()
-        self._seed, self._next_episode = snapshot["counters"].tolist()
+        (self._seeds, self._next_episodes) = ([number] for number in snapshot["counters"].tolist())
         self.encounters.restore(snapshot)
         self.demonstrations.restore(snapshot)
         for b in self.all:

@@ -24,8 +24,14 @@ from stable_baselines3.common.vec_env import VecCheckNan, VecEnv, VecNormalize
 
 from hexwar_sb3.algorithms.masked_dqn import MaskedDQN, MaskedQRDQN
 from hexwar_sb3.envs.registration import make_vec_env as make_routes
-from hexwar_sb3.errors import CheckpointError, ConfigError, TrainingError, UnknownSettingError
-from hexwar_sb3.policies.masked import MaskedDQNPolicy, freeze_lower
+from hexwar_sb3.errors import (
+    CheckpointError,
+    ConfigError,
+    TrainingError,
+    UnknownNameError,
+    UnknownSettingError,
+)
+from hexwar_sb3.policies.masked import MaskedDQNPolicy, MaskedExtractor, freeze_lower
 
 LEFT, RIGHT, TRAP = range(3)
 GOAL, LIMIT = 4, 12  # cell and steps of the corridor
@@ -410,8 +416,69 @@ def test_a_learning_rate_that_is_a_function_is_left_out_and_wanted_back(
     assert again.lr_schedule(0.5) == pytest.approx(5e-4)
 
 
+@pytest.mark.parametrize("activation", [torch.nn.Tanh, "tanh"])
+def test_layers_and_functions_of_torch_are_saved_by_name(
+    make_model: MakeModel, algorithm: type[Model], tmp_path: Path, activation: object
+) -> None:
+    model = make_model(policy_kwargs={"net_arch": [8, 4], "activation_fn": activation})
+    model.save(tmp_path / "model.zip")
+    loaded = algorithm.load(tmp_path / "model.zip")
+
+    assert_same_weights(loaded, model)
+    for one in (model, loaded):
+        network: Any = one.q_net.q_net if isinstance(one, MaskedDQN) else one.quantile_net.quantile_net
+        assert [type(layer).__name__ for layer in network] == ["Linear", "Tanh", "Linear", "Tanh", "Linear"]
+        assert [network[0].out_features, network[2].out_features] == [8, 4]
+
+
+def test_a_function_that_is_none_is_refused(make_model: MakeModel) -> None:
+    with pytest.raises(UnknownNameError, match="unknown activation_fn 'tanhh'; did you mean 'tanh'"):
+        make_model(policy_kwargs={"activation_fn": "tanhh"})
+    with pytest.raises(
+        ConfigError, match=r"policy_kwargs.activation_fn must be a class of torch.nn, or one of"
+    ):
+        make_model(policy_kwargs={"activation_fn": np.tanh})
+
+
+@pytest.mark.parametrize(
+    "wrong", [{"activation_fn": torch.nn.Tanh}, {"net_arch": [32, 16]}, {"net_arch": [64]}]
+)
+def test_what_the_drive_loop_cannot_compute_is_not_frozen(wrong: dict[str, Any]) -> None:
+    """Rather than playing otherwise than it was trained."""
+    model = MaskedDQN(
+        "MaskedPolicy", make_routes("HexWarRoute-v0", seed=0), policy_kwargs=wrong, buffer_size=9
+    )
+    with pytest.raises(
+        ConfigError, match=r"ReLU between its layers, got Tanh|expected \(64, 73\)|two hidden layers"
+    ):
+        freeze_lower(cast("MaskedDQNPolicy", model.policy), ways=True)
+
+
+class Halved(MaskedExtractor):
+    """Features of one's own, as wide as the stock ones."""
+
+    def forward(self, observations: Any) -> torch.Tensor:
+        return super().forward(observations) / 2
+
+
+def test_features_of_ones_own_are_not_frozen() -> None:
+    kwargs = {"features_extractor_class": Halved}
+    model = MaskedDQN(
+        "MaskedPolicy", make_routes("HexWarRoute-v0", seed=0), policy_kwargs=kwargs, buffer_size=9
+    )
+    with pytest.raises(ConfigError, match="reads the features as they are"):
+        freeze_lower(cast("MaskedDQNPolicy", model.policy), ways=True)
+
+
+class Cubed(torch.nn.Module):
+    """A function of one's own."""
+
+    def forward(self, x: torch.Tensor) -> torch.Tensor:
+        return x**3
+
+
 def test_classes_of_the_policy_are_left_out_and_wanted_back(tmp_path: Path) -> None:
-    kwargs = {"activation_fn": torch.nn.Tanh}
+    kwargs = {"activation_fn": Cubed}
     model = MaskedDQN("MaskedPolicy", corridors(), **{**SMALL, "policy_kwargs": kwargs})
     with pytest.warns(UserWarning, match="policy_kwargs cannot be saved"):
         model.save(tmp_path / "model.zip")

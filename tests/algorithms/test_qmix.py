@@ -397,6 +397,20 @@ def test_a_loss_that_is_not_finite_stops_before_the_weights_are_touched(make_mod
         *(({"seed": seed}, "seed must be") for seed in (2**32, 2**63, 2**200, -1, "x", 0.5)),
         ({"stickiness": -1.0}, r"stickiness must be in \[0, 1\)"),
         ({"policy_kwargs": {"network": "deep"}}, "unknown network 'deep'"),
+        (
+            {"policy_kwargs": {"net_arch": [64]}},
+            r"policy_kwargs.net_arch must be two widths, \[hidden, embed\]",
+        ),
+        ({"policy_kwargs": {"net_arch": [64, 0]}}, r"policy_kwargs.net_arch must be two widths"),
+        (
+            {"policy_kwargs": {"net_arch": [8, 4], "embed": 4}},
+            r"net_arch is \[hidden, embed\], leave it or \['embed'\] out",
+        ),
+        (
+            {"policy_kwargs": {"activation_fn": torch.nn.Tanh}},
+            "policy_kwargs.activation_fn must be torch.nn.ReLU",
+        ),
+        ({"policy_kwargs": {"activation_fn": "tanh"}}, "policy_kwargs.activation_fn must be torch.nn.ReLU"),
     ],
 )
 def test_settings_out_of_range_are_refused_with_the_range(
@@ -404,6 +418,17 @@ def test_settings_out_of_range_are_refused_with_the_range(
 ) -> None:
     with pytest.raises((ConfigError, UnknownNameError), match=message):
         make_model(**options)
+
+
+def test_layers_may_be_said_as_sb3_says_them(make_model: MakeModel, tmp_path: Path) -> None:
+    """`net_arch` of two widths, and the function between them that there is; the zip and the frozen copy have them."""
+    model = make_model(policy_kwargs={"net_arch": (16, np.int64(8)), "activation_fn": torch.nn.ReLU})
+    model.save(tmp_path / "model.zip")
+    for one in (model, QMIX.load(tmp_path / "model.zip")):
+        assert one.policy.sizes == {"hidden": 16, "embed": 8}
+        assert {"hidden": 16, "embed": 8}.items() <= one.policy_kwargs.items()
+    weights = model.policy.freeze().weights
+    assert (len(weights["piece.weight"]), len(weights["embed.weight"])) == (16, 8)
 
 
 @pytest.mark.parametrize(

@@ -92,7 +92,7 @@ def ray(env: FlatEnv, cell: int, direction: int) -> list[int]:
 
 
 def test_gymnasium_finds_nothing_wrong() -> None:
-    check_gymnasium(gymnasium.make(FLAT_ENV, decision_ticks=SHORT).unwrapped)
+    check_gymnasium(gymnasium.make(FLAT_ENV, decision_ticks=SHORT).unwrapped, skip_render_check=True)
 
 
 def test_stable_baselines3_finds_nothing_wrong() -> None:
@@ -105,8 +105,8 @@ def test_stable_baselines3_makes_it_by_its_id_and_gets_a_picture() -> None:
     picture = env.render()
     assert picture is not None
     assert picture.ndim == 3
-    with pytest.raises(UnknownNameError, match="unknown render_mode 'human'"):
-        FlatEnv(render_mode="human")
+    with pytest.raises(UnknownNameError, match="unknown render_mode 'ansi'"):
+        FlatEnv(render_mode="ansi")
 
 
 def test_living_pieces_have_their_turns_by_slot_and_dead_ones_none() -> None:

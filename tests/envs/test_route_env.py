@@ -137,8 +137,8 @@ def test_stable_baselines3_makes_it_by_its_id() -> None:
 
 
 def test_an_unknown_render_mode_is_named() -> None:
-    with pytest.raises(UnknownNameError, match="unknown render_mode 'human'"):
-        RouteEnv(render_mode="human")
+    with pytest.raises(UnknownNameError, match="unknown render_mode 'ansi'"):
+        RouteEnv(render_mode="ansi")
 
 
 def test_the_single_env_is_the_vec_env_of_one_game() -> None:

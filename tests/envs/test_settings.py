@@ -133,7 +133,7 @@ def test_what_is_no_env_id_is_refused(wrong: Any) -> None:
 
 
 @pytest.mark.parametrize("env_id", ENVS)
-@pytest.mark.parametrize("wrong", ["human", 3, ["rgb_array"]])
+@pytest.mark.parametrize("wrong", ["ansi", 3, ["rgb_array"]])
 def test_a_render_mode_that_is_none_is_refused(env_id: str, wrong: Any) -> None:
     kind = gymnasium.spec(env_id).entry_point
     with pytest.raises(UnknownNameError, match="unknown render_mode"):
@@ -165,3 +165,12 @@ def test_several_scenarios_are_a_list() -> None:
     assert route_settings({"scenario": ["plain", Path("b.scenario.json")]}).fields[0] == "plain"
     with pytest.raises(ConfigError, match="scenario is a name, a file or a Scenario, got <generator"):
         route_settings({"scenario": (name for name in ["plain"])})
+
+
+def test_settings_may_come_in_one_dict_as_sb3_takes_them() -> None:
+    env = make_vec_env("HexWarTask-v0", seed=0, env_kwargs={"decision_ticks": 150, "dtype": "float16"})
+    assert env.get_attr("games")[0].settings.decision_ticks == 150
+    with pytest.raises(UnknownSettingError, match="did you mean 'opponent'"):
+        make_vec_env(env_kwargs={"opponnt": "MA2"})
+    with pytest.raises(ConfigError, match="opponent: said by env_kwargs and by keyword"):
+        make_vec_env(env_kwargs={"opponent": "MA2"}, opponent="MA1")

@@ -111,13 +111,17 @@ def test_pieces_that_are_led_are_the_learners_own() -> None:
     where = scenario()
     routes = RouteGames(4, RouteSettings(scenario=where, side="both", opponent="random"), where, 0)
     routes.begin(routes.all)
-    sides, led = load_world(where).sides, {Camp.RED: set[int](), Camp.BLUE: set[int]()}
+    rng, sides, led = (
+        np.random.default_rng(0),
+        load_world(where).sides,
+        {Camp.RED: set[int](), Camp.BLUE: set[int]()},
+    )
     for _ in range(300):
         routes.look()
         for piece, camp in zip(routes.focus.piece.tolist(), routes.tasks.camps.tolist(), strict=True):
             assert sides[camp, 0] <= piece < sides[camp, 1]
             led[Camp(camp)].add(piece)
-        hop = routes.play(firsts(routes.mask, routes.rng))
+        hop = routes.play(firsts(routes.mask, rng))
         routes.next_route(routes.all[hop.over])
     assert led == {Camp.RED: {0, 1, 2}, Camp.BLUE: {3, 4, 5, 6, 7}}
 
