@@ -73,6 +73,18 @@ def _test(python: str, version: str, jobs: int) -> tuple[str, bool]:
     folder = BUILD / f"python-{version.rpartition('.')[0]}"
     own = {**os.environ, "PYTHONPATH": "", "PATH": f"{folder / 'bin'}{os.pathsep}{os.environ['PATH']}"}
     print(f"\n{python}, {version}: installing into {folder}", flush=True)
+    _install(python, folder, own)
+    tree, report = _tree(folder), folder / "tests.xml"
+    subprocess.run([folder / "bin" / "hexwar", "doctor"], check=True, cwd=tree, env=own)
+    report.unlink(missing_ok=True)
+    pytest = [folder / "bin" / "python", "-m", "pytest", "-q", f"--junitxml={report}", "-m", "not slow"]
+    pytest += ["-n", str(jobs), "--dist", "loadgroup", *(Path("tests", name) for name in TESTS)]
+    ended = subprocess.run(pytest, check=False, cwd=tree, env=own)
+    return ("FAILED: " if ended.returncode else "") + _counts(report), ended.returncode == 0
+
+
+def _install(python: str, folder: Path, own: dict[str, str]) -> None:
+    """Install the wheel and what its tests need into an environment that is there, or is made."""
     if not (folder / "bin" / "python").exists():
         subprocess.run([python, "-m", "venv", folder], check=True)
     pip = [folder / "bin" / "python", "-m", "pip", "--disable-pip-version-check"]
@@ -83,16 +95,6 @@ def _test(python: str, version: str, jobs: int) -> tuple[str, bool]:
     subprocess.run([*install, f"{wheel}[test]"], check=True, env=own)
     subprocess.run([*install, "--no-deps", "--force-reinstall", wheel], check=True, env=own)
     subprocess.run([*pip, "check"], check=True, env=own)
-    tree = _tree(folder)
-    subprocess.run([folder / "bin" / "hexwar", "doctor"], check=True, cwd=tree, env=own)
-    report = folder / "tests.xml"
-    report.unlink(missing_ok=True)
-    pytest = [folder / "bin" / "python", "-m", "pytest", "-q", f"--junitxml={report}", "-m", "not slow"]
-    tests = [Path("tests", name) for name in TESTS]
-    ended = subprocess.run(
-        [*pytest, "-n", str(jobs), "--dist", "loadgroup", *tests], check=False, cwd=tree, env=own
-    )
-    return _counts(report), ended.returncode == 0
 
 
 def _wheel(pip: Sequence[str | Path]) -> Path:
@@ -120,13 +122,12 @@ def _tree(folder: Path) -> Path:
 def _counts(report: Path) -> str:
     """What pytest wrote of a run, in words."""
     if not report.exists():
-        return "FAILED: no test ran"
+        return "no test ran"
     suites = list(ET.parse(report).getroot())  # noqa: S314  written by our own run
-    total = {key: sum(int(suite.get(key, 0)) for suite in suites) for key in ("tests", "skipped")}
-    bad = sum(int(suite.get(key, 0)) for suite in suites for key in ("failures", "errors"))
-    passed = total["tests"] - total["skipped"] - bad
-    said = f"{passed} passed, {total['skipped']} skipped"
-    return f"FAILED: {bad} failed, {said}" if bad else said
+    kinds = ("tests", "skipped", "failures", "errors")
+    tests, skipped, *bad = (sum(int(suite.get(kind, 0)) for suite in suites) for kind in kinds)
+    failed = f"{sum(bad)} failed, " if any(bad) else ""
+    return f"{failed}{tests - skipped - sum(bad)} passed, {skipped} skipped"
 
 
 if __name__ == "__main__":

@@ -121,7 +121,11 @@ def test_a_wheel_built_from_an_unlinked_copy_holds_every_file_of_the_package_and
 ) -> None:
     built = build(unlinked_copy, "build_wheel")
 
-    names = {name for name in zipfile.ZipFile(built).namelist() if ".dist-info/" not in name}
+    archive = zipfile.ZipFile(built)
+    names = {name for name in archive.namelist() if ".dist-info/" not in name}
+    told = archive.read(f"hexwar_sb3-{__version__}.dist-info/METADATA").decode().partition("\n\n")[0]
+
+    assert "\nLicense-Expression: MIT\n" in told
 
     assert names == package_files(root)
     assert "hexwar_sb3/maps/builtin/plain.map.json" in names
