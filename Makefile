@@ -23,7 +23,7 @@ links:
 	done
 
 $(STAMP): setup.cfg pyproject.toml constraints.txt
-	@echo "installing packages into $(VENV): minutes, and 2 GB, or 7 GB with PyTorch for CUDA"
+	@echo "installing packages into $(VENV): minutes, and 2 GB, or 6 GB with PyTorch for CUDA"
 	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
 	$(if $(TORCH_INDEX),$(BIN)/python -m pip install --quiet --no-deps -c constraints.txt --index-url $(TORCH_INDEX) torch)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e ".[dev]"

@@ -86,10 +86,11 @@ def torch_build(cuda: str | None, has_gpu: bool) -> tuple[str, str]:
     said = f"{kind}, {size / 1e9:.1f} GB" if size else kind
     if not cuda or has_gpu or size < _LARGE_BYTES:
         return said, ""
-    how = f"pip install --force-reinstall torch --index-url {CPU_INDEX}"
-    return said, (
-        f"PyTorch {said}, but there is no GPU: the build for the CPU takes a fifth of it and does the same; {how}"
+    how = f"pip install --no-deps --index-url {CPU_INDEX} torch=={found_version('torch').partition('+')[0]}"
+    says = (
+        f"PyTorch is {said} with its libraries, but there is no GPU. The one for the CPU takes a fifth of it"
     )
+    return said, f"{says}: begin a new environment with {how}"
 
 
 def torch_bytes() -> int:

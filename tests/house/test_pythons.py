@@ -18,7 +18,9 @@ def run(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureF
     """Function that names Pythons, whose tests come out as told, and gives the exit code and the summary."""
     monkeypatch.setattr(pythons, "BUILD", tmp_path)
 
-    def named(*names: str, came_out: tuple[str, bool] = ("7 passed, 1 skipped", True)) -> tuple[int, list[str]]:
+    def named(
+        *names: str, came_out: tuple[str, bool] = ("7 passed, 1 skipped", True)
+    ) -> tuple[int, list[str]]:
         monkeypatch.setattr(pythons, "_test", lambda *_: came_out)
         monkeypatch.setattr(sys, "argv", ["pythons", *names])
         return pythons.main(), capsys.readouterr().out.strip().splitlines()
