@@ -77,8 +77,8 @@ def _test(python: str, version: str, jobs: int) -> tuple[str, bool]:
     tree, report = _tree(folder), folder / "tests.xml"
     subprocess.run([folder / "bin" / "hexwar", "doctor"], check=True, cwd=tree, env=own)
     report.unlink(missing_ok=True)
-    pytest = [folder / "bin" / "python", "-m", "pytest", "-q", f"--junitxml={report}", "-m", "not slow"]
-    pytest += ["-n", str(jobs), "--dist", "loadgroup", *(Path("tests", name) for name in TESTS)]
+    pytest = [str(folder / "bin" / "python"), "-m", "pytest", "-q", f"--junitxml={report}", "-m", "not slow"]
+    pytest += ["-n", str(jobs), "--dist", "loadgroup", *(f"tests/{name}" for name in TESTS)]
     ended = subprocess.run(pytest, check=False, cwd=tree, env=own)
     return ("FAILED: " if ended.returncode else "") + _counts(report), ended.returncode == 0
 
@@ -87,9 +87,9 @@ def _install(python: str, folder: Path, own: dict[str, str]) -> None:
     """Install the wheel and what its tests need into an environment that is there, or is made."""
     if not (folder / "bin" / "python").exists():
         subprocess.run([python, "-m", "venv", folder], check=True)
-    pip = [folder / "bin" / "python", "-m", "pip", "--disable-pip-version-check"]
+    pip = [str(folder / "bin" / "python"), "-m", "pip", "--disable-pip-version-check"]
     wheel = _wheel(pip)
-    install = [*pip, "install", "--quiet", "-c", ROOT / "constraints.txt"]
+    install = [*pip, "install", "--quiet", "-c", str(ROOT / "constraints.txt")]
     if index := os.environ.get("TORCH_INDEX"):
         subprocess.run([*install, "--no-deps", "--index-url", index, "torch"], check=True, env=own)
     subprocess.run([*install, f"{wheel}[test]"], check=True, env=own)
@@ -97,7 +97,7 @@ def _install(python: str, folder: Path, own: dict[str, str]) -> None:
     subprocess.run([*pip, "check"], check=True, env=own)
 
 
-def _wheel(pip: Sequence[str | Path]) -> Path:
+def _wheel(pip: Sequence[str]) -> Path:
     """The wheel, built by the first who asks; it is the same for all Pythons."""
     folder = BUILD / "wheel"
     if not folder.exists():

@@ -66,7 +66,7 @@ def found_version(name: str) -> str:
 def expected_python() -> str:
     """Range of Pythons by the metadata; empty where the package is not installed."""
     try:
-        return metadata(NAME).get("Requires-Python", "")
+        return metadata(NAME)["Requires-Python"]
     except PackageNotFoundError:
         return ""
 
