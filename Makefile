@@ -4,10 +4,15 @@ VENV ?= .venv
 BIN := $(VENV)/bin
 STAMP := $(VENV)/.installed
 JOBS ?= 2
+# Where PyTorch comes from; empty: as pip finds it, which on Linux is a build for CUDA with 5 GB of libraries.
+# For the CPU: make setup TORCH_INDEX=https://download.pytorch.org/whl/cpu
+TORCH_INDEX ?=
+# Interpreters of `make test-pythons`: names or paths.
+PYTHONS ?= python3.11 python3.12 python3.13
 # One thread a process: torch and numpy gain nothing from more, and the tests run side by side.
 export OMP_NUM_THREADS ?= 1
 
-.PHONY: setup links train test test-slow unit mutants lint type layers bench docs site examples notebooks viewer test-viewer pictures
+.PHONY: setup links train test test-slow test-pythons unit mutants lint type layers bench docs site examples notebooks viewer test-viewer pictures
 
 setup: links $(STAMP)
 
@@ -18,8 +23,9 @@ links:
 	done
 
 $(STAMP): setup.cfg pyproject.toml constraints.txt
-	@echo "installing packages into $(VENV): minutes, and about 2 GB"
+	@echo "installing packages into $(VENV): minutes, and 2 GB, or 6 GB with PyTorch for CUDA"
 	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
+	$(if $(TORCH_INDEX),$(BIN)/python -m pip install --quiet --no-deps -c constraints.txt --index-url $(TORCH_INDEX) torch)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e ".[dev]"
 	touch $@
 
@@ -36,6 +42,10 @@ unit: setup
 test-slow: lint type layers
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e ".[docs,ray]"
 	$(BIN)/python -m pytest -n $(JOBS) --dist loadgroup
+
+# The wheel, installed and tested under each Python, in build/; some minutes and, with PyTorch for CUDA, 5 GB each.
+test-pythons:
+	TORCH_INDEX=$(TORCH_INDEX) $(PYTHON) -m tests.pythons --jobs $(JOBS) $(PYTHONS)
 
 # One change in the code at a time: do the tests see it? What they do not is in results/mutants.txt.
 mutants: setup

@@ -157,13 +157,13 @@ class Cache:
         """Remove what nobody used for KEPT_DAYS, once a day at most; nothing but files that this program makes."""
         place = _temporary() if self.trouble else self.named
         now = time.time()
-        if place is None or now - _used_at(place / _PRUNED) < _DAY:
+        if place is None or now - used_at(place / _PRUNED) < _DAY:
             return
         with suppress(OSError):
             (place / _PRUNED).touch()
         emptied: set[Path] = set()
-        for path in _ours(place):
-            if _used_at(path) < now - KEPT_DAYS * _DAY:
+        for path in files_of(place):
+            if used_at(path) < now - KEPT_DAYS * _DAY:
                 with suppress(OSError):
                     path.unlink()
                     emptied |= set(path.relative_to(place).parents) - {Path()}
@@ -238,7 +238,7 @@ def _head(name: str, what: str, data: bytes | memoryview) -> bytes:
     return text.encode().ljust(HEAD_BYTES, b"\0")
 
 
-def _used_at(path: Path) -> float:
+def used_at(path: Path) -> float:
     """When a file was made or used last, in seconds; 0 if there is none."""
     try:
         found = path.lstat()
@@ -254,7 +254,7 @@ def _touch(path: Path) -> None:
             os.utime(path)
 
 
-def _ours(place: Path) -> Iterator[Path]:
+def files_of(place: Path) -> Iterator[Path]:
     """Files of this program in a cache folder: by name alone, as the folder may hold anything."""
     for folder in (place, *(folder for pattern in _FOLDERS for folder in place.glob(pattern))):
         if folder.is_dir() and not folder.is_symlink():

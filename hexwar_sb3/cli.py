@@ -1,55 +1,45 @@
-"""The `hexwar` command: one dataclass a sub-command; its fields are the flags."""
+"""The `hexwar` command: one dataclass a sub-command; its fields are the flags.
+
+A command's module is imported when the command is asked for: to import them all takes a second.
+"""
 
 from __future__ import annotations
 
+import ast
 import sys
 from collections.abc import Callable, Sequence
+from pathlib import Path
+from pkgutil import resolve_name
 from typing import Any
 
 import tyro
 
-from hexwar_sb3.commands.bench import Bench
 from hexwar_sb3.commands.console import carry_out, one_line_errors
-from hexwar_sb3.commands.distill import Distill
-from hexwar_sb3.commands.doctor import Doctor
-from hexwar_sb3.commands.evaluate import Evaluate, Match
-from hexwar_sb3.commands.experiments import Experiments
-from hexwar_sb3.commands.exploit import Exploit
-from hexwar_sb3.commands.hotspots import Hotspots
-from hexwar_sb3.commands.learn import Learn
-from hexwar_sb3.commands.maps import Maps
-from hexwar_sb3.commands.play import Play
-from hexwar_sb3.commands.policies import Export, Import
-from hexwar_sb3.commands.selfplay import SelfPlay
-from hexwar_sb3.commands.stats import Stats
-from hexwar_sb3.commands.tournament import Tournament
-from hexwar_sb3.commands.train import Train
-from hexwar_sb3.commands.tune import Tune
-from hexwar_sb3.commands.watch import Watch
 from hexwar_sb3.errors import UnknownNameError
 from hexwar_sb3.version import __version__
 
-COMMANDS: dict[str, Callable[..., Any]] = {
-    "train": Train,
-    "evaluate": Evaluate,
-    "match": Match,
-    "tournament": Tournament,
-    "selfplay": SelfPlay,
-    "distill": Distill,
-    "exploit": Exploit,
-    "learn": Learn,
-    "export": Export,
-    "import": Import,
-    "tune": Tune,
-    "watch": Watch,
-    "play": Play,
-    "stats": Stats,
-    "maps": Maps,
-    "hotspots": Hotspots,
-    "experiments": Experiments,
-    "bench": Bench,
-    "doctor": Doctor,
-}
+COMMANDS = {
+    "train": "train:Train",
+    "evaluate": "evaluate:Evaluate",
+    "match": "evaluate:Match",
+    "tournament": "tournament:Tournament",
+    "selfplay": "selfplay:SelfPlay",
+    "distill": "distill:Distill",
+    "exploit": "exploit:Exploit",
+    "learn": "learn:Learn",
+    "export": "policies:Export",
+    "import": "policies:Import",
+    "tune": "tune:Tune",
+    "watch": "watch:Watch",
+    "play": "play:Play",
+    "stats": "stats:Stats",
+    "maps": "maps:Maps",
+    "hotspots": "hotspots:Hotspots",
+    "experiments": "experiments:Experiments",
+    "bench": "bench:Bench",
+    "doctor": "doctor:Doctor",
+}  # module in hexwar_sb3.commands, and dataclass
+_CONFIG = (tyro.conf.FlagCreatePairsOff, tyro.conf.OmitArgPrefixes)
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
@@ -68,17 +58,41 @@ def parse(arguments: Sequence[str]) -> Any:
     if list(arguments) == ["--version"]:
         print(f"hexwar {__version__}")
         sys.exit(0)
-    name = arguments[0] if arguments else "--help"
-    if not name.startswith("-") and name not in COMMANDS:
+    name, *rest = arguments or ["--help"]
+    if name.startswith("-"):
+        return _overview([name, *rest])
+    if name not in COMMANDS:
         raise UnknownNameError("command", name, COMMANDS)
-    with one_line_errors(arguments, COMMANDS.get(name)):
+    command = command_class(name)
+    with one_line_errors(rest, command):
+        return tyro.cli(command, prog=f"hexwar {name}", args=rest, config=_CONFIG)
+
+
+def command_class(name: str) -> Callable[..., Any]:
+    """Import the dataclass of a sub-command."""
+    found: Callable[..., Any] = resolve_name(f"hexwar_sb3.commands.{COMMANDS[name]}")
+    return found
+
+
+def _overview(arguments: Sequence[str]) -> Any:
+    """Answer flags that stand before any sub-command: help, or an error."""
+    with one_line_errors(arguments):
         return tyro.extras.subcommand_cli_from_dict(
-            COMMANDS,
+            {name: type(name, (), {"__doc__": _summary(place)}) for name, place in COMMANDS.items()},
             prog="hexwar",
             description="A war game on hexagons under fog, and commanders that learn it.",
-            args=list(arguments) or [name],
-            config=(tyro.conf.FlagCreatePairsOff, tyro.conf.OmitArgPrefixes),
+            args=arguments,
+            config=_CONFIG,
         )
+
+
+def _summary(place: str) -> str:
+    """First line of what a sub-command says of itself, read from its source without importing it."""
+    module, _, name = place.partition(":")
+    source = Path(__file__).with_name("commands") / f"{module}.py"
+    classes = (node for node in ast.parse(source.read_bytes()).body if isinstance(node, ast.ClassDef))
+    says = next(filter(None, (ast.get_docstring(node) for node in classes if node.name == name)))
+    return says.splitlines()[0]
 
 
 if __name__ == "__main__":

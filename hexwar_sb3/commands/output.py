@@ -9,11 +9,12 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import partial
 from math import isfinite
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from tqdm import tqdm
 
-from hexwar_sb3.maps.scenario import ScenarioLike
+if TYPE_CHECKING:
+    from hexwar_sb3.maps.scenario import ScenarioLike
 
 COUNTS = ("games", "won/drawn/lost", "win rate, %", "mean margin", "points held")
 

@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 import os
+import platform
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from importlib.metadata import version
 from pathlib import Path
 
 from filelock import FileLock, Timeout
 
 from hexwar_sb3.cache import cache
 from hexwar_sb3.kernels import compiles, source_hash, sources_of, toolchain
+from hexwar_sb3.version import __version__
 
 _BEGIN = "from hexwar_sb3.engine.world import load_world; load_world('plain').eta"
 _PART = "from hexwar_sb3.envs.prepare import compile_part; compile_part({!r})"
@@ -44,7 +47,7 @@ def prepare(say: Callable[[str], object]) -> None:
             if not _is_prepared():  # who held the lock may have done it
                 say("compiling the game for this machine and this Python, once: about two minutes")
                 if _compile():
-                    cache().keep(toolchain(), _marker(), "\n".join(_kernels()).encode())
+                    cache().keep(toolchain(), _marker(), "\n".join([_made_for(), *_kernels()]).encode())
     cache().prune()
 
 
@@ -71,7 +74,13 @@ def _marker() -> str:
 def _is_prepared() -> bool:
     """Whether all was compiled ahead by this very Python from these sources, and still lies there."""
     kernels = cache().read(toolchain(), _marker())
-    return kernels is not None and cache().use(toolchain(), kernels.decode().split())
+    return kernels is not None and cache().use(toolchain(), kernels.decode().splitlines()[1:])
+
+
+def _made_for() -> str:
+    """First line of the list: what a person would know of the versions."""
+    packages = ", ".join(f"{name} {version(name)}" for name in ("numba", "numpy"))
+    return f"hexwar_sb3 {__version__}, Python {platform.python_version()}, {packages}"
 
 
 def _kernels() -> list[str]:

@@ -152,6 +152,11 @@ class Watch(EverySteps):
         self.curve.append(asdict(row))
 
 
+def _is_same(found: object, head: dict[str, Any]) -> bool:
+    """Whether figures depend on the same; another version of the program may go on."""
+    return isinstance(found, dict) and {**found, "software": head["software"]} == head
+
+
 def read_figures(file: Path, head: dict[str, Any]) -> dict[str, Any]:
     """Read what a response left.
 
@@ -159,8 +164,8 @@ def read_figures(file: Path, head: dict[str, Any]) -> dict[str, Any]:
         FileFormatError: it is broken, or of another player or other settings.
     """
     found = read_json(file, "a best response")
-    if found.get("head") != head:
-        expected = "the same player, settings, software and rules: choose another folder"
+    if not _is_same(found.get("head"), head):
+        expected = "the same player, settings and rules: choose another folder"
         raise FileFormatError(file, "head", found=str(found.get("head"))[:200], expected=expected)
     curve = found.get("curve")
     if not isinstance(curve, list) or not curve:

@@ -2,6 +2,8 @@ from __future__ import annotations
 
 import json
 import re
+import subprocess
+import sys
 import tempfile
 from collections.abc import Callable
 from pathlib import Path
@@ -44,6 +46,33 @@ def test_every_flag_says_what_it_is(hexwar: Command, name: str, monkeypatch: pyt
 
 def test_the_version_is_that_of_the_package(hexwar: Command) -> None:
     assert hexwar("--version") == (0, f"hexwar {__version__}\n", "")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "heavy"),
+    [
+        (["--version"], ()),
+        (["--help"], ()),
+        (["trian"], ()),
+        (["maps", "--help"], ("hexwar_sb3.commands.maps",)),
+        (["doctor", "--help"], ("hexwar_sb3.commands.doctor",)),
+    ],
+    ids=" ".join,
+)
+def test_a_command_line_imports_the_command_that_is_asked_for_alone(
+    arguments: list[str], heavy: tuple[str, ...]
+) -> None:
+    code = f"""
+import atexit, sys
+from hexwar_sb3.cli import COMMANDS, main
+places = [f"hexwar_sb3.commands.{{place.partition(':')[0]}}" for place in COMMANDS.values()]
+names = sorted({{*places, "torch", "numba", "matplotlib"}})
+atexit.register(lambda: print([name for name in names if name in sys.modules]))
+main({arguments})
+"""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+
+    assert done.stdout.splitlines()[-1] == str([*heavy])
 
 
 def test_a_misspelt_flag_is_met_with_the_right_one(hexwar: Command) -> None:

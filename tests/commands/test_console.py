@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from hexwar_sb3.cli import COMMANDS
+from hexwar_sb3.cli import COMMANDS, command_class
 from hexwar_sb3.commands.output import as_json, print_json
 
 Command = Callable[..., tuple[int, str, str]]
@@ -88,7 +88,7 @@ def test_a_misspelt_command_is_met_with_the_right_one(hexwar: Command, name: str
 
 @pytest.mark.parametrize("name", COMMANDS)
 def test_a_misspelt_flag_of_every_command_is_one_line(hexwar: Command, name: str) -> None:
-    fields = [*COMMANDS[name].__dataclass_fields__]  # type: ignore[attr-defined]
+    fields = [*command_class(name).__dataclass_fields__]  # type: ignore[attr-defined]
     for field in {fields[0], fields[-1]}:
         flag = f"--{field.replace('_', '-')}x"
         code, out, err = hexwar(name, flag, "3")

@@ -9,6 +9,7 @@ from typing import Any, cast
 
 import pytest
 
+from hexwar_sb3 import __version__
 from hexwar_sb3.cli import parse
 from hexwar_sb3.commands.exploit import Exploit, in_words
 from hexwar_sb3.errors import ConfigError, FileFormatError, HexWarError
@@ -57,6 +58,17 @@ def test_figures_of_another_player_or_other_settings_are_refused(trained: Any) -
     for other in ({"player": "defender"}, {"player": "nearest", "eval_games": 3}):
         with pytest.raises(FileFormatError, match=r"red_0\.json: head"):
             responses([Response(**{"camp": "red", "seed": 0, **SMALL, **other})], folder)
+
+
+def test_figures_of_an_earlier_version_of_the_program_are_gone_on_with(trained: Any, tmp_path: Path) -> None:
+    folder, specs, found = trained
+    file = tmp_path / "red_0.json"
+    file.write_text(
+        (folder / "red_0.json").read_text().replace(f'"software": "{__version__}"', '"software": "0.1.0"')
+    )
+
+    assert '"0.1.0"' in file.read_text()
+    assert responses(specs[:1], tmp_path)[0]["curve"] == found[0]["curve"]
 
 
 def test_nothing_but_our_errors_comes_of_bad_figures(trained: Any, tmp_path: Path, bad: Any) -> None:

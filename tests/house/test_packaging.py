@@ -2,14 +2,21 @@
 
 from __future__ import annotations
 
-import configparser
 import os
+import re
+import shutil
 import subprocess
 import sys
+import tarfile
 import zipfile
+from configparser import ConfigParser
 from pathlib import Path
 
 import pytest
+import yaml
+
+from hexwar_sb3 import __version__
+from tests import pythons
 
 LINKS = ("callbacks", "policies", "tuning")
 
@@ -32,10 +39,14 @@ def packages_in(root: Path) -> set[str]:
     return found | {"hexwar_sb3." + ".".join(path.parent.relative_to(root).parts) for path in mapped}
 
 
-def test_setup_cfg_lists_every_package_of_the_tree(root: Path) -> None:
-    config = configparser.ConfigParser()
-    config.read(root / "setup.cfg", encoding="utf-8")
+@pytest.fixture
+def config(root: Path) -> ConfigParser:
+    found = ConfigParser()
+    found.read(root / "setup.cfg", encoding="utf-8")
+    return found
 
+
+def test_setup_cfg_lists_every_package_of_the_tree(root: Path, config: ConfigParser) -> None:
     listed = config["options"]["packages"].split()
 
     assert listed == sorted(packages_in(root))
@@ -81,33 +92,100 @@ def test_the_game_needs_no_learning_library(root: Path) -> None:
     assert run_python(code, root).stdout.strip() == "[]"
 
 
+def test_the_version_is_one_wherever_it_stands(root: Path) -> None:
+    citation = yaml.safe_load((root / "CITATION.cff").read_text(encoding="utf-8"))
+    changes = (root / "CHANGELOG.md").read_text(encoding="utf-8")
+    released = re.findall(r"^## \[(\d+\.\d+\.\d+)\] - (\S+)$", changes, re.MULTILINE)[0]
+
+    assert released == (__version__, str(citation["date-released"]))
+    assert citation["version"] == __version__
+
+
+def test_the_pythons_that_are_tested_are_those_that_are_named(root: Path, config: ConfigParser) -> None:
+    named = re.findall(r":: (3\.\d+)$", config["metadata"]["classifiers"], re.MULTILINE)
+    tested = re.search(r"^PYTHONS \?= (.*)$", (root / "Makefile").read_text(encoding="utf-8"), re.MULTILINE)
+
+    assert tested
+    assert tested[1].split() == [f"python{version}" for version in named]
+    assert config["options"]["python_requires"] == f">={named[0]}"
+
+
+def test_what_is_tested_under_every_python_is_there(root: Path) -> None:
+    assert [name for name in pythons.TESTS if not (root / "tests" / name).exists()] == []
+    assert [name for name in pythons.BESIDE if not (root / name).exists()] == []
+
+
 @pytest.mark.slow
-def test_a_wheel_built_from_an_unlinked_copy_holds_everything(unlinked_copy: Path, root: Path) -> None:
-    subprocess.run(
-        [
-            sys.executable,
-            "-m",
-            "pip",
-            "wheel",
-            "--quiet",
-            "--no-deps",
-            "--no-build-isolation",
-            "-w",
+def test_a_wheel_built_from_an_unlinked_copy_holds_every_file_of_the_package_and_no_other(
+    unlinked_copy: Path, root: Path
+) -> None:
+    built = build(unlinked_copy, "build_wheel")
+
+    archive = zipfile.ZipFile(built)
+    names = {name for name in archive.namelist() if ".dist-info/" not in name}
+    told = archive.read(f"hexwar_sb3-{__version__}.dist-info/METADATA").decode().partition("\n\n")[0]
+
+    assert "\nLicense-Expression: MIT\n" in told
+
+    assert names == package_files(root)
+    assert "hexwar_sb3/maps/builtin/plain.map.json" in names
+
+
+@pytest.mark.slow
+def test_the_source_archive_holds_what_is_needed_to_build_and_to_test(tmp_path: Path, root: Path) -> None:
+    copy = tmp_path / "copy"
+    skip = shutil.ignore_patterns(
+        *(
+            "__pycache__",
+            "*.egg-info",
+            "node_modules",
+            ".*_cache",
+            ".git",
+            ".venv*",
+            "build",
             "dist",
-            ".",
-        ],
-        cwd=unlinked_copy,
-        check=True,
+            "runs",
+            "site",
+        ),
+        "results",
     )
+    shutil.copytree(root, copy, symlinks=True, ignore=skip)
+    with tarfile.open(build(copy, "build_sdist")) as archive:
+        sizes = {member.name.partition("/")[2]: member.size for member in archive if member.isfile()}
 
-    names = set(zipfile.ZipFile(next((unlinked_copy / "dist").glob("*.whl"))).namelist())
+    tops = {name.partition("/")[0] for name in sizes}
+    assert {*LINKS, "hexwar_sb3", "tests", "docs", "examples", "viewer", ".ci"} <= tops
+    assert {"README.md", "LICENSE", "CHANGELOG.md", "CITATION.cff", "constraints.txt", "Makefile"} <= tops
+    assert {
+        name.removeprefix("hexwar_sb3/") if name.split("/")[1] in LINKS else name
+        for name in package_files(root)
+    } <= {*sizes}
+    assert {f"tests/{name}" for name in pythons.TESTS if name.endswith(".py")} <= {*sizes}
+    assert not tops & {"results", "runs", "build", "dist", "site"}
+    assert max(sizes.values()) < 1_500_000  # the film of the README
+    assert sum(sizes.values()) < 12_000_000
 
-    assert {f"{package.replace('.', '/')}/__init__.py" for package in packages_in(root)} <= names
-    assert {f"hexwar_sb3/maps/builtin/{path.name}" for path in builtin_files(root)} <= names
-    assert "hexwar_sb3/py.typed" in names
-    assert "hexwar_sb3/viewer/built/page.html" in names
-    assert not {name for name in names if name.split("/")[0] in {*LINKS, "tests", "examples"}}
+
+def build(folder: Path, what: str) -> Path:
+    """Build a wheel or a source archive there, without a network."""
+    code = f"from setuptools import build_meta; print('built', build_meta.{what}('dist'))"
+    done = run_python(code, folder)
+    assert done.returncode == 0, done.stderr
+    return folder / "dist" / done.stdout.splitlines()[-1].removeprefix("built ")
 
 
-def builtin_files(root: Path) -> list[Path]:
-    return list((root / "hexwar_sb3" / "maps" / "builtin").glob("*.json"))
+def package_files(root: Path) -> set[str]:
+    """Every file of the package by its place in a wheel."""
+    folders = {"hexwar_sb3": root / "hexwar_sb3"} | {f"hexwar_sb3/{link}": root / link for link in LINKS}
+    return {
+        f"{top}/{path.relative_to(folder).as_posix()}"
+        for top, folder in folders.items()
+        for path in folder.rglob("*")
+        if path.is_file() and "__pycache__" not in path.parts and not is_inside_link(root, path)
+    }
+
+
+def is_inside_link(root: Path, path: Path) -> bool:
+    """Whether a file of a mapped folder is seen by way of the package."""
+    inside = path.relative_to(root).parts
+    return inside[0] == "hexwar_sb3" and inside[1] in LINKS
