@@ -72,6 +72,10 @@ class TrainingError(HexWarError, RuntimeError):
     """Training cannot go on: what was learned so far is kept."""
 
 
+class ClusterError(HexWarError, RuntimeError):
+    """A cluster that cannot be reached, a worker that is another program, or a job that failed there."""
+
+
 class FileFormatError(HexWarError, ValueError):
     """A file that cannot be used: names the file, the place in it, what was found and expected."""
 

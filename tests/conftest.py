@@ -9,8 +9,10 @@ import random
 from collections.abc import Callable, Iterator
 from typing import Any
 
+import joblib
 import numpy as np
 import pytest
+from joblib.parallel import ThreadingBackend
 
 from hexwar_sb3.engine.replay import Replay
 from hexwar_sb3.engine.replay_file import content_hash
@@ -24,6 +26,18 @@ def pytest_sessionstart(session: pytest.Session) -> None:
         from hexwar_sb3.envs.prepare import prepare
 
         prepare(print)
+
+
+class Elsewhere(ThreadingBackend):  # type: ignore[misc]  # joblib has no types
+    """Stands for a cluster: its workers are this process, which they need not know."""
+
+
+@pytest.fixture
+def elsewhere() -> Iterator[None]:
+    """Let jobs of `run_jobs` travel."""
+    joblib.register_parallel_backend("elsewhere", Elsewhere)
+    with joblib.parallel_config("elsewhere"):
+        yield
 
 
 SECRET_FIELDS = (

@@ -16,6 +16,7 @@ from optuna.trial import TrialState
 from scipy.stats import t as student
 
 from hexwar_sb3.algorithms.preset_file import load_preset
+from hexwar_sb3.algorithms.presets import Preset
 from hexwar_sb3.checks import check_whole
 from hexwar_sb3.evaluation.intervals import CONFIDENCE, paired_interval
 from hexwar_sb3.evaluation.jobs import run_jobs
@@ -23,7 +24,7 @@ from hexwar_sb3.evaluation.panel import Panel, play_panel
 from hexwar_sb3.evaluation.results import CampResult
 from hexwar_sb3.evaluation.seeds import Purpose, seed_for
 from hexwar_sb3.folders import holding
-from hexwar_sb3.tuning.objective import train_once
+from hexwar_sb3.tuning.objective import Common, train_once
 from hexwar_sb3.tuning.space import Point, first_point
 from hexwar_sb3.tuning.study import StudySpec, begin, completed
 
@@ -35,9 +36,9 @@ Pair = tuple[CampResult, CampResult]  # of a point, of the paper's: the same gam
 class Finalist:
     """A point, trained with one seed."""
 
-    spec: StudySpec
+    common: Common
+    preset: Preset  # with the point
     name: str
-    point: Point
     seed: int
     policy: Path  # its folder
 
@@ -84,7 +85,7 @@ def compare(
     missing = {one.policy: one for one in finalists.values() if not one.policy.is_dir()}
     if missing:
         with holding(spec.folder / "finalists", "comparison"):
-            run_jobs(_train, list(missing.values()), workers, "training")
+            run_jobs(_train, list(missing.values()), workers, "training", leaves=lambda one: [one.policy])
     played = run_jobs(partial(_play, games=games), list(finalists.values()), workers, "finalist")
     panels = dict(zip(finalists, played, strict=True))
     return {
@@ -109,7 +110,8 @@ def _finalist(spec: StudySpec, name: str, point: Point, seed: int) -> Finalist:
         if seed in spec.common.seeds and trial.params == point and own.is_dir():
             policy = own
             break
-    return Finalist(spec=spec, name=name, point=point, seed=seed, policy=policy)
+    preset = load_preset(spec.preset).changed(point)
+    return Finalist(common=spec.common, preset=preset, name=name, seed=seed, policy=policy)
 
 
 def _text(value: object) -> str:
@@ -119,15 +121,13 @@ def _text(value: object) -> str:
 def _train(one: Finalist) -> None:
     new = one.policy.with_name(f"{one.policy.name}.new")  # no name that the start of a study clears
     shutil.rmtree(new, ignore_errors=True)
-    preset = load_preset(one.spec.preset).changed(one.point)
-    train_once(preset, one.spec.common, one.seed, new)
+    train_once(one.preset, one.common, one.seed, new)
     new.rename(one.policy)
 
 
 def _play(one: Finalist, games: int) -> Panel:
-    common, preset = one.spec.common, load_preset(one.spec.preset).changed(one.point)
-    how = replace(common.evaluation(preset, games, one.seed), purpose=Purpose.REPORT)
-    return play_panel(str(one.policy), common.panel, how, name=one.label)
+    how = replace(one.common.evaluation(one.preset, games, one.seed), purpose=Purpose.REPORT)
+    return play_panel(one.policy, one.common.panel, how, name=one.label)
 
 
 def _differences(pairs: Mapping[int, Pair]) -> dict[str, Any]:

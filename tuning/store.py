@@ -14,13 +14,14 @@ from filelock import FileLock
 from optuna.exceptions import ExperimentalWarning, StorageInternalError
 from optuna.storages import BaseStorage, JournalStorage, RDBStorage
 from optuna.storages.journal import JournalFileBackend, JournalFileSymlinkLock
-from sqlalchemy.exc import SQLAlchemyError
+from sqlalchemy.exc import IntegrityError, ProgrammingError, SQLAlchemyError
 
 from hexwar_sb3.errors import ConfigError, FileFormatError, HexWarError
 from hexwar_sb3.files import check_held
 from hexwar_sb3.tuning.workers import comes_again
 
 HEARTBEAT_S, GRACE_S = 30, 120  # of trials in a database: who is silent for longer is dead
+BEGINNERS = 5  # tries to make tables, each after another process has made some of them
 JOURNAL = "study.journal"
 LONGEST_ENTRY = 1 << 20  # bytes of a line of it
 
@@ -42,12 +43,7 @@ def open_storage(folder: Path, url: str | None = None) -> BaseStorage:
         raise ConfigError("the study's database: one in memory is not shared by processes")
     try:
         with database_errors(), warnings.catch_warnings(action="ignore", category=ExperimentalWarning):
-            return RDBStorage(
-                url,
-                heartbeat_interval=HEARTBEAT_S,
-                grace_period=GRACE_S,
-                heartbeat_stale_trial_callback=comes_again,
-            )
+            return _open_database(url)
     except HexWarError:
         raise
     except ImportError as error:
@@ -56,6 +52,22 @@ def open_storage(folder: Path, url: str | None = None) -> BaseStorage:
         raise ConfigError("the study's database: its URL is not understood") from error
     except RuntimeError as error:
         raise ConfigError(f"the study's database: {str(error).splitlines()[0]}") from error
+
+
+def _open_database(url: str) -> RDBStorage:
+    """Open a database, and make its tables; again where another machine makes them at this moment."""
+    for tries_left in reversed(range(BEGINNERS)):
+        try:
+            return RDBStorage(
+                url,
+                heartbeat_interval=HEARTBEAT_S,
+                grace_period=GRACE_S,
+                heartbeat_stale_trial_callback=comes_again,
+            )
+        except (IntegrityError, ProgrammingError):
+            if not tries_left:
+                raise
+    raise AssertionError
 
 
 @contextmanager

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -12,7 +12,7 @@ import tyro
 
 from hexwar_sb3.commands.output import as_json, compile_first, print_json, table
 from hexwar_sb3.commands.run_folder import write_text
-from hexwar_sb3.commands.settings import Json, check_jobs
+from hexwar_sb3.commands.settings import Cluster, Json, check_jobs
 from hexwar_sb3.errors import ConfigError, UnknownNameError
 
 if TYPE_CHECKING:
@@ -37,13 +37,15 @@ class Experiments:
     games: int | None = None  # of a run; else 10,000; 5,000 for the ablation, and 2,000 for "rivals"
     eval_games: int = 64  # an opponent and colour, at each of the ten points of a curve
     final_games: int | None = None  # an opponent and colour, on the page of a run; else 2,000, 700 and 200
-    jobs: int = 1  # runs side by side
+    jobs: int | None = None  # runs side by side; else 1, or the cluster's processors
+    cluster: Cluster = None
     results: Path = Path("results")  # small files that are kept: RESULTS/EXPERIMENT/
     work: Path = Path("runs/experiments")  # run folders
     json: Json = False
 
     def run(self) -> int:
         """List, or carry out and draw."""
+        from hexwar_sb3.evaluation.cluster import working_on
         from hexwar_sb3.experiments.carry_out import carry_out
         from hexwar_sb3.experiments.runs import Places, State, choose
 
@@ -58,7 +60,8 @@ class Experiments:
         if any(states[run] != State.DONE for run in chosen):
             compile_first()
         try:
-            failed = carry_out(chosen, places, jobs=self.jobs, say=_say)
+            with working_on(self.cluster, self.jobs) as jobs:
+                failed = carry_out(chosen, places, jobs=jobs, say=_say)
         except KeyboardInterrupt:
             _say("stopped; the same command goes on")
             return INTERRUPTED
@@ -72,6 +75,7 @@ class Experiments:
         Raises:
             ConfigError: a flag of the other experiments was given.
         """
+        from hexwar_sb3.evaluation.cluster import working_on
         from hexwar_sb3.experiments.runs import Places
         from hexwar_sb3.experiments.table1 import Table1
         from hexwar_sb3.experiments.table1_page import write
@@ -80,7 +84,7 @@ class Experiments:
         for flag in ("only", "seeds", "games", "eval_games", "final_games"):
             if getattr(self, flag) != getattr(Experiments, flag):
                 raise ConfigError(f"table1 is one pipeline with settings of its own; it takes no {flag}")
-        pipeline = Table1(places=Places(self.results, self.work), jobs=self.jobs)
+        pipeline = Table1(places=Places(self.results, self.work))
         if self.list:
             states = pipeline.states()
             text = table(("stage", "state"), [[stage, state] for stage, state in states.items()])
@@ -88,7 +92,8 @@ class Experiments:
             return 0
         compile_first()
         try:
-            found = pipeline.run(_say)
+            with working_on(self.cluster, self.jobs) as jobs:
+                found = replace(pipeline, jobs=jobs).run(_say)
         except KeyboardInterrupt:
             _say("stopped; the same command goes on")
             return INTERRUPTED

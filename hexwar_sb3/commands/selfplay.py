@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import tyro
 
 from hexwar_sb3.commands.output import compile_first, print_json, table, typed
-from hexwar_sb3.commands.settings import Json, ScenarioName, Seed, check_jobs
+from hexwar_sb3.commands.settings import Cluster, Json, ScenarioName, Seed, check_jobs
 from hexwar_sb3.evaluation.opponents import broad_mixture
 
 if TYPE_CHECKING:
@@ -47,13 +47,15 @@ class SelfPlay:
     embed: int = 32  # width of a task's embedding
     scenario: ScenarioName = "plain"
     seed: Seed = 0
-    jobs: int = 1  # groups, then matches, side by side
+    jobs: int | None = None  # groups, then matches, side by side; else 1, or the cluster's processors
+    cluster: Cluster = None
     json: Json = False
 
     def run(self) -> int:
         """Begin or go on, then print who was kept."""
         from hexwar_sb3.commands.albums import album_of, save_at_end
         from hexwar_sb3.commands.tournament import named
+        from hexwar_sb3.evaluation.cluster import working_on
         from hexwar_sb3.league.league import League
         from hexwar_sb3.league.settings import LeagueSettings
 
@@ -66,10 +68,11 @@ class SelfPlay:
         compile_first(scenario=self.scenario)
         try:
             league = League.create(self.output, settings, starters)
-            league.run(self.jobs, after=lambda k: print(in_words(league, k), file=sys.stderr, flush=True))
-            if settings.iterations:
-                league.record_games(settings.iterations, self.jobs, typed())
-                save_at_end(lambda: album_of([self.output]), self.output / "league.html", self.jobs)
+            with working_on(self.cluster, self.jobs) as jobs:
+                league.run(jobs, after=lambda k: print(in_words(league, k), file=sys.stderr, flush=True))
+                if settings.iterations:
+                    league.record_games(settings.iterations, jobs, typed())
+                    save_at_end(lambda: album_of([self.output]), self.output / "league.html", jobs)
         except KeyboardInterrupt:
             print("\nstopped; the same command goes on", file=sys.stderr)
             return INTERRUPTED

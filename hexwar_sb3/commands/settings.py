@@ -17,6 +17,12 @@ DecisionTicks = Annotated[
 ]
 T = TypeVar("T")
 AsTrained = Annotated[T | None, tyro.conf.arg(help_behavior_hint="(default: as the policy was trained)")]
+Cluster = Annotated[
+    str | None,
+    tyro.conf.arg(
+        help="HOST:PORT of a Ray cluster that does the work, this machine one of it; else this machine alone"
+    ),
+]
 MOST_JOBS = 1_000  # each is a process that takes some hundred MB
 ConstantPlans = Annotated[
     bool,
@@ -37,12 +43,14 @@ def check_name(setting: str, name: str) -> None:
         raise ConfigError(f"{setting} must be of letters, digits, - and _, got {name!r}")
 
 
-def check_jobs(setting: str, jobs: int) -> None:
-    """Check how many processes are to work side by side.
+def check_jobs(setting: str, jobs: int | None) -> None:
+    """Check how many processes are to work side by side; None: as many as there are by themselves.
 
     Raises:
         ConfigError: none, or more than any machine bears.
     """
+    if jobs is None:
+        return
     if jobs < 1:
         raise ConfigError(f"{setting} must be at least 1, got {jobs}")
     if jobs > MOST_JOBS:

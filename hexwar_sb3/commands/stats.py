@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -99,6 +99,7 @@ class Stats:
         from hexwar_sb3.engine.world import load_world
         from hexwar_sb3.evaluation.jobs import run_jobs
         from hexwar_sb3.evaluation.matches import Evaluation, player_name
+        from hexwar_sb3.evaluation.parcels import as_place, at_hand
         from hexwar_sb3.evaluation.play_stats import PlayStats
         from hexwar_sb3.maps.scenario_file import scenario_document
         from hexwar_sb3.players.terms import trained_terms
@@ -108,8 +109,15 @@ class Stats:
         compile_first(player, *self.opponents, scenario=terms.scenario)
         how.check_fit([player])
         how.check_opponents(self.opponents)
+        at_work = replace(how, terms=replace(terms, scenario=at_hand(terms.scenario)))
         specs = [
-            _Chunk(player, opponent, camp, how, range(start, min(start + CHUNK, self.games)))
+            _Chunk(
+                as_place(player),
+                as_place(opponent),
+                camp,
+                at_work,
+                range(start, min(start + CHUNK, self.games)),
+            )
             for opponent in self.opponents
             for camp in how.camps
             for start in range(0, self.games, CHUNK)
@@ -124,8 +132,8 @@ class Stats:
 class _Chunk:
     """Games of one job."""
 
-    player: str
-    opponent: str
+    player: object
+    opponent: object
     camp: str
     how: Evaluation
     games: range

@@ -11,7 +11,7 @@ import tyro
 
 from hexwar_sb3.commands.output import as_json, compile_first, print_json, table, typed
 from hexwar_sb3.commands.run_folder import write_text
-from hexwar_sb3.commands.settings import Games, Json, Seed, check_jobs, check_name
+from hexwar_sb3.commands.settings import Cluster, Games, Json, Seed, check_jobs, check_name
 from hexwar_sb3.errors import ConfigError
 from hexwar_sb3.evaluation.matches import Evaluation
 
@@ -38,7 +38,8 @@ class Tournament:
     games: Games = 200
     seed: Seed = 0
     mirror: bool = False  # each player also meets itself
-    jobs: int = 1  # matches side by side
+    jobs: int | None = None  # matches side by side; else 1, or the cluster's processors
+    cluster: Cluster = None
     record: bool = True  # write down the median game of each match
     # folder: matches/, games/, league.html, table.txt, table.json, tournament.png
     output: Path = Path("tournament")
@@ -47,6 +48,7 @@ class Tournament:
     def run(self) -> int:
         """Play what is missing, then print and draw."""
         from hexwar_sb3.commands.albums import album_of, save_at_end
+        from hexwar_sb3.evaluation.cluster import working_on
         from hexwar_sb3.evaluation.tournament import play_meetings, record_medians, single_round_robin
         from hexwar_sb3.evaluation.tournament_picture import draw_tournament
         from hexwar_sb3.folders import holding
@@ -62,8 +64,8 @@ class Tournament:
             compile_first(*players.values(), scenario=scenario)
             replace(how, terms=replace(how.terms, scenario=scenario)).check_fit(players.values())
         meetings = single_round_robin(list(players), self.scenarios, mirror=self.mirror)
-        with holding(self.output, "tournament"):
-            found = play_meetings(meetings, players, players, how, self.output / "matches", jobs=self.jobs)
+        with holding(self.output, "tournament"), working_on(self.cluster, self.jobs) as jobs:
+            found = play_meetings(meetings, players, players, how, self.output / "matches", jobs=jobs)
             figures = {"players": players, "elo": _elo(found), "matches": list(found.rows.values())}
             write_text(self.output / "table.json", as_json(figures) + "\n")
             text = in_words(found, list(players))
@@ -71,9 +73,9 @@ class Tournament:
             draw_tournament(found, list(players), self.output / "tournament.png")
             if self.record:
                 record_medians(
-                    found, players, players, how, self.output / "games", jobs=self.jobs, command=typed()
+                    found, players, players, how, self.output / "games", jobs=jobs, command=typed()
                 )
-            save_at_end(lambda: album_of([self.output]), self.output / PAGE, self.jobs)
+            save_at_end(lambda: album_of([self.output]), self.output / PAGE, jobs)
         if self.json:
             print_json(figures)
         else:

@@ -1,3 +1,4 @@
+from .cluster import working_on as working_on
 from .elo import elo_ratings as elo_ratings
 from .history import History as History
 from .intervals import Estimate as Estimate

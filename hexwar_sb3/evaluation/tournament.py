@@ -1,7 +1,6 @@
 """Every player against every other on every map: matches that leave files, so that a tournament can go on.
 
-Each match is a job of its own. They run one after the other in this process, or with `jobs` side by side by
-joblib: on this machine, or on the cluster that `joblib.parallel_config` names.
+Each match is a job of its own (`jobs`): they run one after the other, or side by side, on this machine or on a cluster.
 """
 
 from __future__ import annotations
@@ -23,6 +22,7 @@ from hexwar_sb3.evaluation.elo import Pairing, Ratings, elo_ratings
 from hexwar_sb3.evaluation.intervals import Estimate, wilson
 from hexwar_sb3.evaluation.jobs import run_jobs
 from hexwar_sb3.evaluation.matches import Evaluation
+from hexwar_sb3.evaluation.parcels import as_place, at_hand
 from hexwar_sb3.evaluation.provenance import provenance
 from hexwar_sb3.evaluation.seeds import seed_for
 from hexwar_sb3.files import write_entries, write_json
@@ -134,15 +134,31 @@ def play_meetings(
         FileFormatError: a file of this name is of another match: other players, terms, rules.
         BusyError: another process plays there.
     """
-    matches = {
-        meeting: Match(meeting, reds[meeting.red], blues[meeting.blue], evaluation, folder)
-        for meeting in meetings
-    }
+    matches = _matches(meetings, reds, blues, evaluation, folder)
     missing = [match for match in matches.values() if not match.is_played()]
     if missing:
         with holding(folder, "tournament"):
-            run_jobs(play, missing, jobs, "match")
+            run_jobs(play, missing, jobs, "match", leaves=lambda match: [match.path])
     return Table({meeting: match.read() for meeting, match in matches.items()})
+
+
+def _matches(
+    meetings: Iterable[Meeting],
+    reds: Mapping[str, object],
+    blues: Mapping[str, object],
+    evaluation: Evaluation,
+    folder: Path,
+) -> dict[Meeting, Match]:
+    """Jobs of meetings; what lies in files is named so that it travels."""
+    meetings = list(meetings)
+    hows = {
+        name: replace(evaluation, terms=replace(evaluation.terms, scenario=at_hand(name)))
+        for name in {meeting.scenario for meeting in meetings}
+    }
+    return {
+        one: Match(one, as_place(reds[one.red]), as_place(blues[one.blue]), hows[one.scenario], folder)
+        for one in meetings
+    }
 
 
 def pack(table: Table, path: Path) -> None:
@@ -188,13 +204,18 @@ class Match:
     meeting: Meeting
     red: object
     blue: object
-    evaluation: Evaluation
+    evaluation: Evaluation  # on the meeting's scenario
     folder: Path
 
     @property
     def path(self) -> Path:
         """Its file."""
         return self.folder / self.meeting.file
+
+    @property
+    def replay(self) -> Path:
+        """File of a game of it."""
+        return self.folder / f"{self.meeting.stem}.hwr"
 
     def is_played(self) -> bool:
         """The file is there; `read` says whether it is of this match."""
@@ -214,7 +235,7 @@ class Match:
                 "early": terms.decisions == "event",
             },
             "players": {"red": fingerprint(self.red), "blue": fingerprint(self.blue)},
-            **provenance(self.meeting.scenario),
+            **provenance(terms.scenario),
         }
 
     @property
@@ -282,8 +303,7 @@ def play(match: Match) -> None:
     """Play a match and leave its file: a function of `match` alone, in any process."""
     match = replace(match, red=make_player(match.red), blue=make_player(match.blue))  # a folder is read once
     meeting = match.meeting
-    how = replace(match.evaluation, terms=replace(match.evaluation.terms, scenario=meeting.scenario))
-    result = how.play(match.red, match.blue, match.decision_ticks)
+    result = match.evaluation.play(match.red, match.blue, match.decision_ticks)
     named = replace(result, red_name=meeting.red, blue_name=meeting.blue)
     games = "".join(LETTERS[score] for score in result.red.scores)
     row = {**named.summary(), **match.head(), "red_games": games, MEDIAN: median_game(result.red.margins)}
@@ -319,22 +339,17 @@ def record_medians(
         folder: gets `SCENARIO~RED~BLUE.hwr`.
         command: what made them, as one would type it.
     """
-    games = [
-        (
-            Match(meeting, reds[meeting.red], blues[meeting.blue], evaluation, folder),
-            int(row[MEDIAN]),
-            command,
-        )
-        for meeting, row in table.rows.items()
-        if MEDIAN in row
-    ]
-    run_jobs(_record, [one for one in games if not _is_recorded(*one[:2])], jobs, "game")
+    rows = {meeting: row for meeting, row in table.rows.items() if MEDIAN in row}
+    matches = _matches(rows, reds, blues, evaluation, folder)
+    games = [(match, int(rows[meeting][MEDIAN]), command) for meeting, match in matches.items()]
+    missing = [one for one in games if not _is_recorded(*one[:2])]
+    run_jobs(_record, missing, jobs, "game", leaves=lambda job: [job[0].replay])
 
 
 def _is_recorded(match: Match, game: int) -> bool:
     """Whether the folder has this game of these players; of another one, or a broken file, it is made anew."""
     try:
-        replay = Replay.load(match.folder / f"{match.meeting.stem}.hwr")
+        replay = Replay.load(match.replay)
     except (FileFormatError, OSError):
         return False
     seed = game_seed(seed_for(match.evaluation.purpose, match.evaluation.seed), game)
@@ -346,10 +361,9 @@ def _is_recorded(match: Match, game: int) -> bool:
 
 def _record(job: tuple[Match, int, str | None]) -> None:
     match, game, command = job
-    how = replace(match.evaluation, terms=replace(match.evaluation.terms, scenario=match.meeting.scenario))
     names = match.meeting.red, match.meeting.blue
-    replay = how.record(match.red, match.blue, game, match.decision_ticks, names, command)
-    replay.save(match.folder / f"{match.meeting.stem}.hwr")
+    replay = match.evaluation.record(match.red, match.blue, game, match.decision_ticks, names, command)
+    replay.save(match.replay)
 
 
 def fingerprint(player: object) -> str:

@@ -6,7 +6,7 @@ Only fresh opponents measure robustness: whoever was trained against known ones 
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from statistics import median
@@ -24,11 +24,13 @@ from hexwar_sb3.envs.registration import TASK_ENV, make_vec_env
 from hexwar_sb3.errors import FileFormatError
 from hexwar_sb3.evaluation.jobs import run_jobs
 from hexwar_sb3.evaluation.matches import Evaluation
+from hexwar_sb3.evaluation.parcels import as_place, at_hand
 from hexwar_sb3.evaluation.provenance import provenance
 from hexwar_sb3.evaluation.seeds import Purpose, seed_for
 from hexwar_sb3.evaluation.tournament import fingerprint
 from hexwar_sb3.files import replacing
 from hexwar_sb3.kinds import fits, read_fields
+from hexwar_sb3.maps.scenario import ScenarioLike
 from hexwar_sb3.players.terms import trained_terms
 from hexwar_sb3.reading import read_json
 
@@ -51,18 +53,22 @@ class Point:
 class Response:
     """A best response that is to be trained."""
 
-    player: str  # whom it meets: a name or a folder
+    player: object  # whom it meets: a name or a folder
     camp: str  # that the response plays
     seed: int
     games: int = 4_000  # that it learns from
     every: int = 250  # games between two evaluations
     eval_games: int = 200
-    scenario: str = "plain"
+    scenario: ScenarioLike = "plain"
 
     def head(self) -> dict[str, Any]:
         """What its figures depend on; they stand beside them."""
         own = {name: value for name, value in vars(self).items() if name != "player"}
         return {"player": fingerprint(self.player), **own, **provenance(self.scenario)}
+
+    def at_hand(self) -> Response:
+        """The same with what lies in files named so that it travels."""
+        return replace(self, player=as_place(self.player), scenario=at_hand(self.scenario))
 
     @property
     def evaluation(self) -> Evaluation:
@@ -76,29 +82,37 @@ class Response:
         )
 
 
+@dataclass(frozen=True)
+class Job:
+    """A response to train, what its figures depend on, and their file."""
+
+    response: Response
+    head: Mapping[str, Any]
+    file: Path
+
+
 def responses(responses: Sequence[Response], folder: Path, jobs: int = 1) -> list[dict[str, Any]]:
     """Train every response whose figures are not in the folder yet; the figures of all.
 
     Raises:
         FileFormatError: a file there is broken, or of another player or other settings.
     """
-    files = [folder / f"{one.camp}_{one.seed}.json" for one in responses]
-    for one, file in zip(responses, files, strict=True):
-        if file.exists():
-            read_figures(file, one.head())
-    missing = [(one, file) for one, file in zip(responses, files, strict=True) if not file.exists()]
-    run_jobs(respond, missing, jobs, "response")
-    return [read_figures(file, one.head()) for one, file in zip(responses, files, strict=True)]
+    jobs_of = [Job(one.at_hand(), one.head(), folder / f"{one.camp}_{one.seed}.json") for one in responses]
+    for job in jobs_of:
+        if job.file.exists():
+            read_figures(job.file, job.head)
+    missing = [job for job in jobs_of if not job.file.exists()]
+    run_jobs(respond, missing, jobs, "response", leaves=lambda job: [job.file])
+    return [read_figures(job.file, job.head) for job in jobs_of]
 
 
-def respond(spec: tuple[Response, Path]) -> None:
-    """Train one response, and leave its figures: a function of `spec` alone, in any process."""
-    response, file = spec
+def respond(job: Job) -> None:
+    """Train one response, and leave its figures: a function of `job` alone, in any process."""
     torch.set_num_threads(1)
     start = process_time()
-    curve = train_response(response)
-    figures = {"head": response.head(), "cpu_seconds": round(process_time() - start, 1), "curve": curve}
-    with replacing(file) as temporary:
+    curve = train_response(job.response)
+    figures = {"head": job.head, "cpu_seconds": round(process_time() - start, 1), "curve": curve}
+    with replacing(job.file) as temporary:
         temporary.write_text(json.dumps(figures, indent=1) + "\n", encoding="utf-8")
 
 
@@ -133,7 +147,7 @@ class Watch(EverySteps):
         evaluation: how it is measured.
     """
 
-    def __init__(self, every: int, decisions: int, camp: str, player: str, evaluation: Evaluation) -> None:
+    def __init__(self, every: int, decisions: int, camp: str, player: object, evaluation: Evaluation) -> None:
         super().__init__(every)
         self.decisions, self.camp, self.player, self.evaluation = decisions, camp, player, evaluation
         self.curve: list[dict[str, Any]] = []
@@ -152,12 +166,12 @@ class Watch(EverySteps):
         self.curve.append(asdict(row))
 
 
-def _is_same(found: object, head: dict[str, Any]) -> bool:
+def _is_same(found: object, head: Mapping[str, Any]) -> bool:
     """Whether figures depend on the same; another version of the program may go on."""
     return isinstance(found, dict) and {**found, "software": head["software"]} == head
 
 
-def read_figures(file: Path, head: dict[str, Any]) -> dict[str, Any]:
+def read_figures(file: Path, head: Mapping[str, Any]) -> dict[str, Any]:
     """Read what a response left.
 
     Raises:

@@ -1,4 +1,4 @@
-"""Carrying out runs: as processes, some side by side, gone on with where they were broken off."""
+"""Carrying out runs: as processes, some side by side, gone on with where they were broken off; or on a cluster."""
 
 from __future__ import annotations
 
@@ -9,6 +9,9 @@ from collections.abc import Callable, Collection, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from time import sleep
 
+from hexwar_sb3.evaluation.cluster import is_elsewhere
+from hexwar_sb3.evaluation.jobs import run_jobs
+from hexwar_sb3.experiments.errand import Errand, go
 from hexwar_sb3.experiments.keep import keep
 from hexwar_sb3.experiments.runs import HEXWAR, Places, Run
 from hexwar_sb3.files import check_held
@@ -22,7 +25,8 @@ Say = Callable[[str], object]
 def carry_out(runs: Sequence[Run], places: Places, *, jobs: int = 1, say: Say = print) -> list[Run]:
     """Make every run whose results are not there; return those that failed.
 
-    Ctrl-C or SIGTERM is passed on once to the running ones, which save and end; then it goes on to the caller.
+    Ctrl-C or SIGTERM is passed on once to the running ones, which save and end; then it goes on to the caller. On a
+    cluster (`working_on`) what runs is lost then, as with a machine that is lost: it begins anew.
 
     Raises:
         KeyboardInterrupt: it was stopped.
@@ -39,6 +43,8 @@ def carry_out(runs: Sequence[Run], places: Places, *, jobs: int = 1, say: Say = 
 
 def _carry_out(runs: Sequence[Run], places: Places, jobs: int, say: Say) -> list[Run]:
     waiting = [run for run in runs if not keep_results(run, places)]
+    if is_elsewhere():
+        return _send_out(waiting, places, jobs, say)
     running: dict[Run, subprocess.Popen[bytes]] = {}
     failed: list[Run] = []
     with _stopping(running):
@@ -56,6 +62,21 @@ def _carry_out(runs: Sequence[Run], places: Places, jobs: int, say: Say) -> list
                     say(f"{run.name}: failed with exit code {code}; see {places.log(run)}")
             if running:
                 sleep(POLL_SECONDS)
+    return failed
+
+
+def _send_out(runs: Sequence[Run], places: Places, jobs: int, say: Say) -> list[Run]:
+    """Let a cluster make runs, which begin anew there; those that failed."""
+    errands = [Errand.of(run, places) for run in runs]
+    for run in runs:
+        say(f"{run.name}: {run.command}")
+    codes = run_jobs(go, errands, jobs, "run", leaves=lambda errand: [errand.folder, errand.log])
+    failed = [
+        run for run, code in zip(runs, codes, strict=True) if code != 0 or not keep_results(run, places)
+    ]
+    for run, code in zip(runs, codes, strict=True):
+        said = f"failed with exit code {code}; see {places.log(run)}" if run in failed else "done"
+        say(f"{run.name}: {said}")
     return failed
 
 

@@ -6,6 +6,7 @@ import shlex
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
+from itertools import count
 from pathlib import Path
 
 from hexwar_sb3.errors import ConfigError, FileFormatError, UnknownNameError
@@ -142,6 +143,11 @@ class Places:
         folders = [path for path in found if path.name.rpartition("_")[2].isdecimal()]
         made = [path for path in folders if command_in(path).startswith(f"{run.command} --runs ")]
         return max(made, key=lambda path: int(path.name.rpartition("_")[2]), default=None)
+
+    def next_folder(self, run: Run) -> Path:
+        """The first run folder of its name that is free."""
+        numbers = (k for k in count(1) if not (self.work / run.experiment / f"{run.name}_{k}").exists())
+        return self.work / run.experiment / f"{run.name}_{next(numbers)}"
 
     def is_trained(self, run: Run) -> bool:
         """A run folder is complete: its page, the last file, was written."""

@@ -114,7 +114,7 @@ class Table1:
         missing = [spec for spec in self.combined(league) if not self.policy("CAI", spec.side).is_dir()]
         if missing:
             with measured(self.kept, "CAI"):
-                run_jobs(make_cai, missing, self.jobs, "CAI")
+                run_jobs(make_cai, missing, self.jobs, "CAI", leaves=lambda spec: [spec.folder])
                 self._keep_policies(league)
         if not (self.kept / "league.png").exists():
             say("matches of the best of each iteration")
@@ -164,7 +164,7 @@ class Table1:
             camp = CAMPS[0] if side == BOTH else side
             enemy = CAMPS[1 - CAMPS.index(camp)]
             share = settings.partner_share / len(last[enemy])
-            weights: dict[object, float] = dict.fromkeys((str(one.folder) for one in last[enemy]), share)
+            weights: dict[object, float] = dict.fromkeys((one.folder for one in last[enemy]), share)
             for player, weight in league.others(settings.iterations + 1, camp):
                 weights[player] = weights.get(player, 0.0) + weight
             specs.append(

@@ -8,6 +8,7 @@ from typing import Any
 from hexwar_sb3.algorithms.presets import FALLS
 from hexwar_sb3.engine.world import load_world
 from hexwar_sb3.evaluation.matches import Evaluation
+from hexwar_sb3.evaluation.parcels import at_hand
 from hexwar_sb3.evaluation.seeds import Purpose
 from hexwar_sb3.league.folder import LeagueFolder, group_name
 from hexwar_sb3.league.group import GroupSpec
@@ -58,7 +59,7 @@ class Agenda(LeagueFolder):
     def others(self, k: int, camp: str) -> Opponents:
         """Whom models of a colour meet beside their partners: the best of the iterations before, and opponents."""
         settings = self.settings
-        past = dict.fromkeys((str(member.folder) for member in self._best_before(k, camp)), 1.0)
+        past = dict.fromkeys((member.folder for member in self._best_before(k, camp)), 1.0)
         found: list[tuple[object, float]] = []
         for players, share in ((past, settings.past_share), (settings.weights, settings.opponents_share)):
             total = sum(players.values())
@@ -89,6 +90,8 @@ class Agenda(LeagueFolder):
     def env(self) -> dict[str, Any]:
         """Settings of the task env."""
         return {
-            **env_settings(self.terms, self.settings.n_envs),
+            **env_settings(
+                replace(self.terms, scenario=at_hand(self.settings.scenario)), self.settings.n_envs
+            ),
             "priority": self.settings.priority,
         }

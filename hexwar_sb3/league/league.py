@@ -158,7 +158,8 @@ class League(Agenda):
         return rows
 
     def _train_groups(self, k: int, jobs: int) -> None:
-        run_jobs(train_group, [spec for spec in self.specs(k) if not spec.folder.is_dir()], jobs, "group")
+        missing = [spec for spec in self.specs(k) if not spec.folder.is_dir()]
+        run_jobs(train_group, missing, jobs, "group", leaves=lambda spec: [spec.folder])
 
     def _players(self, k: int) -> tuple[dict[str, object], dict[str, object]]:
         """Red and blue models of an iteration by name."""

@@ -7,7 +7,7 @@ import pickle
 from collections.abc import Callable
 from typing import Any, cast
 
-import cloudpickle  # type: ignore[import-untyped]
+import cloudpickle
 import gymnasium
 import joblib
 import numpy as np

@@ -7,14 +7,18 @@ import os
 import shutil
 import subprocess
 import tempfile
+import threading
 import warnings
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from optuna.study import StudyDirection
 from optuna.trial import TrialState
 
+from hexwar_sb3.tuning.store import open_storage
 from hexwar_sb3.tuning.study import StudySpec, begin, run_study
 from tests.tuning.test_study import shape
 
@@ -60,6 +64,19 @@ def test_sqlite_makes_the_study_of_the_journal(finished: StudySpec, spec: StudyS
     run_study(there, 1, say=lambda _: None)
 
     assert shape(begin(there)) == shape(begin(finished))[:1]
+
+
+@pytest.mark.filterwarnings("ignore::optuna.exceptions.ExperimentalWarning")  # threads share filters
+def test_machines_may_begin_a_study_at_the_same_moment(postgres: str, tmp_path: Path) -> None:
+    """All of them make the tables of an empty database: PostgreSQL refuses all but one."""
+    start = threading.Barrier(4)
+
+    def begin_at_once(number: int) -> int:
+        start.wait()
+        return open_storage(tmp_path, postgres).create_new_study([StudyDirection.MAXIMIZE], str(number))
+
+    with ThreadPoolExecutor(4) as machines:
+        assert sorted(machines.map(begin_at_once, range(4))) == [1, 2, 3, 4]
 
 
 @pytest.mark.slow
