@@ -12,7 +12,7 @@ import pytest
 
 from hexwar_sb3 import __version__
 from hexwar_sb3 import cache as cache_module
-from hexwar_sb3.cli import COMMANDS
+from hexwar_sb3.cli import COMMANDS, parse
 from hexwar_sb3.kernels import COMPILED, counts
 
 Command = Callable[..., tuple[int, str, str]]
@@ -134,6 +134,13 @@ def test_a_match_prints_both_camps(hexwar: Command) -> None:
 
     assert out.splitlines()[0].split()[:3] == ["camp", "player", "games"]
     assert [line.split()[:3] for line in out.splitlines()[2:]] == [["red", "MA1", "4"], ["blue", "MA2", "4"]]
+
+
+@pytest.mark.parametrize(
+    "arguments", [["match", "MA1", "MA2"], ["evaluate", "MA1"], ["tournament", "MA1", "MA2"]]
+)
+def test_n_is_the_number_of_games(arguments: list[str]) -> None:
+    assert parse([*arguments, "-n", "20"]) == parse([*arguments, "--games", "20"])
 
 
 def test_a_match_as_json_is_the_same_match_each_time(hexwar: Command) -> None:
