@@ -117,8 +117,10 @@ class Match:
 
         blue = trained_terms(self.blue)
         red = trained_terms(self.red, replace(blue, decision_ticks=DECISION_TICKS))
-        own, its = (self.decision_ticks or each.decision_ticks for each in (red, blue))
-        return replace(red, scenario=self.scenario or red.scenario, decision_ticks=own), (own, its)
+        given = self.decision_ticks
+        own, its = (each.decision_ticks if given is None else given for each in (red, blue))
+        scenario = red.scenario if self.scenario is None else self.scenario
+        return replace(red, scenario=scenario, decision_ticks=own), (own, its)
 
     def _check_record(self) -> None:
         for number in self.record_games:

@@ -10,7 +10,7 @@ import tyro
 from hexwar_sb3.errors import ConfigError
 
 Json = Annotated[bool, tyro.conf.arg(help="print one JSON object instead of a table")]
-Games = Annotated[int, tyro.conf.arg(help="games a cell of the table")]
+Games = Annotated[int, tyro.conf.arg(help="games a cell of the table", aliases=("-n",))]
 Seed = Annotated[int, tyro.conf.arg(help="0..999999; the same seed gives the same games")]
 DecisionTicks = Annotated[
     int, tyro.conf.arg(help="ticks between two decisions of a policy; as it was trained")

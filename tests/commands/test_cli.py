@@ -12,8 +12,9 @@ import pytest
 
 from hexwar_sb3 import __version__
 from hexwar_sb3 import cache as cache_module
-from hexwar_sb3.cli import COMMANDS
+from hexwar_sb3.cli import COMMANDS, parse
 from hexwar_sb3.kernels import COMPILED, counts
+from hexwar_sb3.maps.files import load_scenario
 
 Command = Callable[..., tuple[int, str, str]]
 
@@ -136,6 +137,13 @@ def test_a_match_prints_both_camps(hexwar: Command) -> None:
     assert [line.split()[:3] for line in out.splitlines()[2:]] == [["red", "MA1", "4"], ["blue", "MA2", "4"]]
 
 
+@pytest.mark.parametrize(
+    "arguments", [["match", "MA1", "MA2"], ["evaluate", "MA1"], ["tournament", "MA1", "MA2"]]
+)
+def test_n_is_the_number_of_games(arguments: list[str]) -> None:
+    assert parse([*arguments, "-n", "20"]) == parse([*arguments, "--games", "20"])
+
+
 def test_a_match_as_json_is_the_same_match_each_time(hexwar: Command) -> None:
     first, second = (json.loads(hexwar("match", "MA1", "MA2", "--games", "4", "--json")[1]) for _ in range(2))
 
@@ -184,7 +192,36 @@ def test_an_evaluation_has_a_row_for_each_player_opponent_and_camp(hexwar: Comma
 def test_maps_lists_the_built_in_ones(hexwar: Command) -> None:
     rows = json.loads(hexwar("maps", "--json")[1])["maps"]
 
-    assert [(row["map"], row["cells"]) for row in rows] == [("hills", 4935), ("paddy", 4935), ("plain", 4935)]
+    assert [(row["map"], row["cells"], row["pieces"]) for row in rows] == [
+        ("assault", 3025, "9 against 5"),
+        ("battalion", 14340, "30 against 30"),
+        *((name, 4935, "7 against 7") for name in ("hills", "paddy", "plain")),
+        ("skirmish", 308, "3 against 3"),
+    ]
+
+
+def test_a_map_of_another_size_and_line_up_is_made(hexwar: Command, tmp_path: Path) -> None:
+    new = (
+        "maps",
+        "--new",
+        "mine",
+        "--like",
+        "hills",
+        "--width",
+        "30",
+        "--height",
+        "20",
+        "--output",
+        str(tmp_path),
+    )
+    code, out, _ = hexwar(*new, "--pieces", "12", "5", "--mirror", "no", "--json")
+    assert (code, [(row["cells"], row["pieces"]) for row in json.loads(out)["maps"]]) == (
+        0,
+        [(590, "12 against 5")],
+    )
+    assert not load_scenario(tmp_path / "mine.scenario.json").hexmap.is_symmetric()
+    for wrong in (("--pieces", "1", "2", "3"), ("--pieces", "65"), ("--width", "14"), ("--height", "251")):
+        assert hexwar(*new, *wrong)[0] == 2
 
 
 def test_a_new_map_can_be_made_listed_and_drawn(hexwar: Command, tmp_path: Path) -> None:

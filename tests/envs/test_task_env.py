@@ -53,8 +53,8 @@ def test_it_draws_what_the_learner_knows_on_request() -> None:
 
 
 def test_an_unknown_render_mode_is_named() -> None:
-    with pytest.raises(UnknownNameError, match="unknown render_mode 'human'"):
-        TaskEnv(render_mode="human")
+    with pytest.raises(UnknownNameError, match="unknown render_mode 'ansi'"):
+        TaskEnv(render_mode="ansi")
 
 
 def test_stable_baselines3_makes_it_by_its_id() -> None:
