@@ -150,10 +150,16 @@ def test_gradients_of_the_packed_form_are_those_of_the_table() -> None:
     torch.testing.assert_close(packed, whole)
 
 
-def test_a_memory_is_carried_from_step_to_step() -> None:
+@pytest.mark.parametrize("separate", [False, True])
+def test_a_memory_is_carried_from_step_to_step(separate: bool) -> None:
     """Runs at once are what their steps are one after the other; what was seen before counts."""
     torch.manual_seed(0)
-    agent, (runs, steps, pieces) = MemoryAgentNetwork(OBS, TASK), (2, 5, 3)
+    runs, steps, pieces = 2, 5, 3
+    agent = (
+        SeparateNetworks(MemoryAgentNetwork(OBS, TASK) for _ in range(pieces))
+        if separate
+        else MemoryAgentNetwork(OBS, TASK)
+    )
     obs = torch.randn(runs, steps, pieces, OBS)
     tasks, mask = torch.randn(runs, steps, pieces, 2, TASK), torch.ones(runs, steps, pieces, 2)
 
@@ -187,20 +193,3 @@ def test_separate_networks_give_each_piece_what_its_own_gives_it(
     )
     assert together.remembers == (kind is MemoryAgentNetwork)
     assert together.piece_layers == [network.piece for network in networks]
-
-
-def test_separate_networks_remember_each_for_itself() -> None:
-    torch.manual_seed(0)
-    agent, (runs, steps, pieces) = (
-        SeparateNetworks(MemoryAgentNetwork(OBS, TASK) for _ in range(3)),
-        (2, 5, 3),
-    )
-    obs = torch.randn(runs, steps, pieces, OBS)
-    tasks, mask = torch.randn(runs, steps, pieces, 2, TASK), torch.ones(runs, steps, pieces, 2)
-
-    at_once = agent.own_in_turn(pack(obs, tasks, mask), steps, pieces).view(runs, steps, pieces, -1)
-
-    memory = None
-    for k in range(steps):
-        memory = agent.own(pack(obs[:, k], tasks[:, k], mask[:, k]), memory)
-        torch.testing.assert_close(at_once[:, k].flatten(0, 1), memory)
