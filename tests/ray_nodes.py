@@ -53,12 +53,14 @@ class Node:
 
     def wait(self) -> None:
         """Wait until it has begun."""
-        until(self._has_begun, START_S)
+        try:
+            until(self._has_begun, START_S)
+        except AssertionError as error:
+            raise AssertionError((self.folder / "said").read_text(encoding="utf-8")) from error
 
     def _has_begun(self) -> bool:
-        said = (self.folder / "said").read_text(encoding="utf-8")
-        assert self.process.poll() is None, said
-        return "Ray runtime started" in said
+        assert self.process.poll() is None
+        return b"Ray runtime started" in (self.folder / "said").read_bytes()
 
     def jobs(self) -> set[Path]:
         """Folders of the jobs that it does, and of those that were ended by force."""

@@ -94,7 +94,7 @@ def program() -> Mapping[str, str]:
         "hexwar_sb3": __version__,
         "rules": default_rules().hash,
         "bots": bots_hash(),
-        "its sources": digest.hexdigest()[:16],
+        "sources": digest.hexdigest()[:16],
         "Python": ".".join(platform.python_version_tuple()[:2]),
         **{name: version(name).partition("+")[0] for name in LIBRARIES},
     }

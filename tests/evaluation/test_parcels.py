@@ -144,7 +144,7 @@ def test_what_comes_back_is_written_nowhere_else(name: str, tmp_path: Path) -> N
     assert not list(tmp_path.rglob("*side"))
 
 
-@pytest.mark.parametrize("what", ["hexwar_sb3", "rules", "its sources", "torch"])
+@pytest.mark.parametrize("what", ["hexwar_sb3", "rules", "sources", "torch"])
 def test_a_worker_that_is_another_program_does_nothing(what: str, spec: Spec) -> None:
     parcel = pack(add_line, spec, leaves)
     other = replace(parcel, program={**parcel.program, what: "0"}, call=b"not even read")
