@@ -152,15 +152,16 @@ def nearest_tasks(
 ) -> Ints:
     """Name the aims of each piece as `name_missions` names a bot's: the first that is in its task set [N].
 
-    Stop, which is task 0, where none is.
+    Stop, which is task 0, where none is, and in slots without a piece.
     """
-    tasks = np.zeros(len(aims), np.int64)
-    named = np.zeros(len(aims), np.bool_)
+    tasks = np.zeros(arena.world.n_slots, np.int64)
+    named = np.zeros(arena.world.n_slots, np.bool_)
     for rank in range(max(map(len, aims), default=0)):
         now = [own[rank] if rank < len(own) else STOPS for own in aims]
         found = arena.name_missions(b, CampIndex(camp), sight, slot, _missions_of(arena, camp, now))
         tasks = np.where(named, tasks, found)
-        named |= (found > 0) | np.array([aim.kind == TaskKind.STOP for aim in now])
+        named |= found > 0
+        named[: len(now)] |= np.array([aim.kind == TaskKind.STOP for aim in now])
     return tasks
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,6 +15,7 @@ from hexwar_sb3.engine.game import Game
 from hexwar_sb3.engine.world import load_world
 from hexwar_sb3.envs.flat_env import FlatEnv
 from hexwar_sb3.envs.parallel import parallel_env
+from hexwar_sb3.envs.registration import FLAT_ENV, TASK_ENV, make_vec_env
 from hexwar_sb3.envs.route_env import RouteEnv
 from hexwar_sb3.envs.route_games import RouteGames
 from hexwar_sb3.envs.route_settings import RouteSettings
@@ -22,7 +24,10 @@ from hexwar_sb3.envs.task_env import TaskEnv
 from hexwar_sb3.envs.task_games import TaskGames
 from hexwar_sb3.evaluation.matches import play_match
 from hexwar_sb3.maps.scenario import Scenario
+from hexwar_sb3.play.recording import record_game
+from hexwar_sb3.players.terms import Terms
 from hexwar_sb3.rules.enums import Camp
+from hexwar_sb3.server.hints import Adviser
 from hexwar_sb3.tasks.features import feature_index, sizes
 
 OWN = {"red": 3, "blue": 5}
@@ -157,3 +162,30 @@ def test_a_policy_plays_either_camp_where_some_of_its_pieces_are_missing() -> No
     ]
     assert less[0] > whole[0]
     assert less[1] > whole[1]
+
+
+@pytest.mark.parametrize("kind", [TASK_ENV, FLAT_ENV])
+def test_a_recorded_game_shows_either_camp_how_to_play(kind: str, tmp_path: Path) -> None:
+    """Seven against five; the smaller camp is shown, too."""
+    plain = load_world("plain").scenario
+    fewer = replace(plain, name="fewer", pieces=plain.pieces[:-2])
+    for pair in (("HRL0", "MA1"), ("MA1", "HRL0")):
+        record_game(*pair, Terms(scenario=fewer), seed=1).save(tmp_path / f"{pair[0]}.hwr")
+    shows: dict[str, Any] = {"demo": str(tmp_path), "demo_share": 1.0, "side": "both", "opponent": "MA1"}
+    env = make_vec_env(kind, n_envs=2, seed=0, scenario=fewer, **shows)
+    env.reset()
+
+    sides = set()
+    for _ in range(200):
+        _, _, dones, infos = env.step(np.zeros((2, *(env.action_space.shape or ())), np.int64))
+        assert all("demo_actions" in info for info in infos)
+        sides |= {info["side"] for done, info in zip(dones, infos, strict=True) if done}
+    assert sides == {"red", "blue"}
+
+
+@pytest.mark.parametrize("camp", ["red", "blue"])
+def test_a_policy_advises_either_camp(camp: str) -> None:
+    plain = load_world("plain").scenario
+    game = Game(replace(plain, name="fewer", pieces=plain.pieces[:-2]), seed=0)
+    hint = Adviser("HRL0", "HRL0", game, camp).hint("tank0")
+    assert 0 <= hint["chosen"] < len(hint["tasks"])
