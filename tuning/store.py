@@ -15,6 +15,7 @@ from optuna.exceptions import ExperimentalWarning, StorageInternalError
 from optuna.storages import BaseStorage, JournalStorage, RDBStorage
 from optuna.storages.journal import JournalFileBackend, JournalFileSymlinkLock
 from sqlalchemy.exc import IntegrityError, ProgrammingError, SQLAlchemyError
+from sqlalchemy.pool import NullPool
 
 from hexwar_sb3.errors import ConfigError, FileFormatError, HexWarError
 from hexwar_sb3.files import check_held
@@ -60,6 +61,7 @@ def _open_database(url: str) -> RDBStorage:
         try:
             return RDBStorage(
                 url,
+                engine_kwargs={"poolclass": NullPool},  # nothing stays open behind a refused or a dropped one
                 heartbeat_interval=HEARTBEAT_S,
                 grace_period=GRACE_S,
                 heartbeat_stale_trial_callback=comes_again,

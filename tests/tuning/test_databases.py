@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import gc
 import os
 import shutil
 import subprocess
 import tempfile
 import threading
-import warnings
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
@@ -52,8 +50,6 @@ def postgres() -> Iterator[str]:
     call("pg_ctl", "--pgdata", data, "--log", log, "--wait", "-o", f"-k {folder} -h ''", "start")
     try:
         yield f"postgresql+psycopg://tuner@/postgres?host={folder}"
-        with warnings.catch_warnings(action="ignore", category=ResourceWarning):
-            gc.collect()  # the studies' connections, before the server goes
     finally:
         call("pg_ctl", "--pgdata", data, "--mode", "immediate", "stop")
         shutil.rmtree(folder)
