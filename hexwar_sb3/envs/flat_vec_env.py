@@ -13,7 +13,6 @@ from hexwar_sb3.checks import check_share
 from hexwar_sb3.envs.flat_games import FlatGames, flat_spaces
 from hexwar_sb3.envs.native_vec_env import NativeVecEnv
 from hexwar_sb3.envs.settings import TaskSettings
-from hexwar_sb3.envs.task_games import Span
 from hexwar_sb3.play.arena import Arena, Snapshot
 
 
@@ -39,21 +38,18 @@ class FlatVecEnv(NativeVecEnv):
         """Play one turn of every game."""
         span = self.games.play(self._actions)
         obs = self.games.observe()
-        infos = [self._info(b, span, obs) for b in range(self.num_envs)]
-        if span.over.any():
-            self.games.begin(self.games.all[span.over])
+        infos = span.infos()
+        for b, action in span.demo.items():
+            infos[b]["demo_actions"] = int(action)
+        ended = self.games.all[span.over]
+        for b in ended.tolist():
+            infos[b] |= self.games.outcome(b)
+            infos[b]["terminal_observation"] = obs[b].copy()
+            infos[b]["TimeLimit.truncated"] = False
+        if ended.size:
+            self.games.begin(ended)
             obs = self.games.observe()
         return obs, span.reward, span.over, infos
-
-    def _info(self, b: int, span: Span, obs: NDArray[Any]) -> dict[str, Any]:
-        info: dict[str, Any] = {"ticks": int(span.ticks[b]), "illegal_actions": int(span.illegal[b])}
-        if b in span.demo:
-            info["demo_actions"] = int(span.demo[b])
-        if span.over[b]:
-            info |= self.games.outcome(b)
-            info["terminal_observation"] = obs[b].copy()
-            info["TimeLimit.truncated"] = False
-        return info
 
     def action_masks(self) -> NDArray[np.bool_]:
         """Legal actions of every game's acting piece [n, K * 7] (sb3-contrib)."""

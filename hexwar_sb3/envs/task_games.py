@@ -64,6 +64,11 @@ class Span:
     illegal: NDArray[np.int64]  # actions that named no valid task [n]
     demo: dict[int, NDArray[np.int64]]  # game -> task indices of who shows it [N]
 
+    def infos(self) -> list[dict[str, Any]]:
+        """What the info of each game says of it."""
+        pairs = zip(self.ticks.tolist(), self.illegal.tolist(), strict=True)
+        return [{"ticks": ticks, "illegal_actions": illegal} for ticks, illegal in pairs]
+
 
 class TaskGames:
     """Batch of games for one learner; episode k of a seed is the same game in any slot.
@@ -123,26 +128,37 @@ class TaskGames:
 
     def begin(self, which: Games) -> None:
         """Start the next episodes in these slots."""
-        for b in which:
-            first, episode = self._next_episode(int(b))
-            self.episodes[b] = episode
-            self.camps[b] = self.camp_of(episode)
-            self.opponents[b] = self.mixture.draw(first, episode, self.encounters.urgency)
-            met = int(self.opponents[b])
-            self.rivals[b] = self.encounters.seat(met, self.mixture.players[met], first, episode)
-            self._draw_show(int(b), episode_draw(first, episode, _DEMO_STREAM))
-            recorded = self._recorded(int(b))
-            seed = game_seed(first, episode) if recorded is None else recorded.seed
-            self.arena.begin(int(b), seed, *self._seats(int(b)))
-            self._lead(int(b))
-            self.arena.drives[b].asked[self.camps[b]] = 1
-            self._warm_up(int(b), episode_draw(first, episode, _WARM_STREAM))
+        slots = which.tolist()
+        episodes = [self._next_episode(b) for b in slots]
+        urgency = self.encounters.urgency
+        seeds = [self._draw(b, *episode, urgency) for b, episode in zip(slots, episodes, strict=True)]
+        self.arena.restart(which, seeds)
+        for b in slots:
+            for camp, seat in enumerate(self._seats(b)):
+                self.arena.sit(b, camp, seat)
+            self._lead(b)
+        self.arena.drives.asked[which, self.camps[which]] = 1
+        if self.warm_start:
+            for b, episode in zip(slots, episodes, strict=True):
+                self._warm_up(b, episode_draw(*episode, _WARM_STREAM))
 
-    def _draw_show(self, b: int, rng: np.random.Generator) -> None:
-        """Draw whether somebody shows the learner how to play this game, and who."""
-        shows = rng.random() < self.demo_share
-        self.shown[b] = self.demonstrations.draw(Camp(self.camps[b]), rng) if shows else NOBODY
+    def _draw(self, b: int, seed: int, episode: int, urgency: NDArray[np.float64]) -> int:
+        """Draw who plays an episode in a slot; the seed of its dice."""
+        self.episodes[b] = episode
+        self.camps[b] = self.camp_of(episode)
+        met = self.opponents[b] = self.mixture.draw(seed, episode, urgency)
+        self.rivals[b] = self.encounters.seat(met, self.mixture.players[met], seed, episode)
+        self.shown[b] = self._draw_show(Camp(self.camps[b]), seed, episode)
         self.demos[b] = self.shown[b] != NOBODY
+        recorded = self._recorded(b)
+        return game_seed(seed, episode) if recorded is None else recorded.seed
+
+    def _draw_show(self, camp: Camp, seed: int, episode: int) -> int:
+        """Draw whether somebody shows the learner how to play a game, and who."""
+        if not self.demo_share:
+            return NOBODY
+        rng = episode_draw(seed, episode, _DEMO_STREAM)
+        return self.demonstrations.draw(camp, rng) if rng.random() < self.demo_share else NOBODY
 
     def _recorded(self, b: int) -> RecordedGame | None:
         """The recorded game that is played again in a slot, if it is one."""
@@ -245,10 +261,12 @@ class TaskGames:
 
     def outcome(self, b: int) -> dict[str, Any]:
         """What the last info of an episode says."""
-        row, camps = np.array([b]), self.camps[[b]]
+        camps = self.camps[[b, b]]
+        camps[1] = 1 - camps[0]
+        margin, other = self.arena.margins(np.array([b, b]), camps).tolist()
         return {
-            "margin": float(self.arena.margins(row, camps)[0]),
-            "win": float(self.arena.wins(row, camps)[0]),
+            "margin": float(margin),
+            "win": (float(np.sign(margin - other)) + 1.0) / 2.0,
             "points_held": self.arena.points_held(b, CampIndex(camps[0])),
             "side": camp_name(int(camps[0])),
             "opponent": self._rival_name(b),

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +11,7 @@ from stable_baselines3.common.vec_env.base_vec_env import VecEnvStepReturn
 from hexwar_sb3.checks import check_share
 from hexwar_sb3.envs.native_vec_env import NativeVecEnv
 from hexwar_sb3.envs.settings import TaskSettings
-from hexwar_sb3.envs.task_games import Obs, Span, TaskGames, action_space, observation_space
+from hexwar_sb3.envs.task_games import Obs, TaskGames, action_space, observation_space
 from hexwar_sb3.play.arena import Arena, Snapshot
 from hexwar_sb3.players.frozen_lower import Lower
 
@@ -45,25 +44,20 @@ class TaskVecEnv(NativeVecEnv):
         span = self.games.play(self._actions)
         self.games.turn()
         obs = self.games.look(self.games.all)
-        current = self.games.current_tasks(obs)
-        infos = [
-            self._info(b, span, obs) | {"current_tasks": current[b].copy()} for b in range(self.num_envs)
-        ]
+        infos = span.infos()
+        for info, current in zip(infos, self.games.current_tasks(obs), strict=True):
+            info["current_tasks"] = current
+        for b, actions in span.demo.items():
+            infos[b]["demo_actions"] = actions
         ended = self.games.all[span.over]
+        for b in ended.tolist():
+            infos[b] |= self.games.outcome(b)
+            infos[b]["terminal_observation"] = {key: value[b].copy() for key, value in obs.items()}
+            infos[b]["TimeLimit.truncated"] = False
         if ended.size:
             self.games.begin(ended)
             self.games.look(ended)
         return obs, span.reward, span.over, infos
-
-    def _info(self, b: int, span: Span, obs: Obs) -> dict[str, Any]:
-        info: dict[str, Any] = {"ticks": int(span.ticks[b]), "illegal_actions": int(span.illegal[b])}
-        if b in span.demo:
-            info["demo_actions"] = span.demo[b]
-        if span.over[b]:
-            info |= self.games.outcome(b)
-            info["terminal_observation"] = {key: value[b].copy() for key, value in obs.items()}
-            info["TimeLimit.truncated"] = False
-        return info
 
     def action_masks(self) -> NDArray[np.bool_]:
         """Valid tasks of every game, pieces one after the other [n, N * K] (sb3-contrib)."""

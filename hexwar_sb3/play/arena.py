@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from copy import copy
 from dataclasses import fields
 from typing import Any, cast
@@ -33,8 +33,8 @@ from hexwar_sb3.players.player import BotPlayer, Player, Seat, seat_name
 from hexwar_sb3.players.route_network import LOWER_NET
 from hexwar_sb3.players.terms import USUAL, Terms
 from hexwar_sb3.rules.enums import Camp
-from hexwar_sb3.rules.indices import CampIndex, camp_range
-from hexwar_sb3.tasks.choose import clear_missions, new_missions
+from hexwar_sb3.rules.indices import CampIndex, camp_range, point_range
+from hexwar_sb3.tasks.choose import new_missions
 from hexwar_sb3.tasks.route import N_ANSWERS, new_route_buffers
 from hexwar_sb3.tasks.spots import load_spots
 
@@ -71,6 +71,7 @@ class Arena:
         self.chosen: dict[
             int, NDArray[np.int64]
         ] = {}  # by camp, task indices of the players last asked [n, N]
+        self._first = self._first_game()
         self.nets = np.zeros(1, LOWER_NET).view(np.recarray)  # that drives.lower names
         self._net_numbers: dict[FrozenLower, int] = {}
         self._answerers: dict[tuple[int, int], Answerer] = {}  # (game, camp) -> who answers outside the loop
@@ -97,14 +98,17 @@ class Arena:
 
     def begin(self, b: int, seed: int, red: Seat | None, blue: Seat | None) -> None:
         """Put game b back to tick 0 with a seed for its dice, and seat its two players."""
-        self.state.copy_from(self._start, b, 0)
-        seed_game(self.state.games[b], np.uint64(seed))
-        clear_missions(self.missions[b])
-        self.brains[b] = np.zeros(2, BRAIN)
-        self.drives[b] = np.zeros((), DRIVE)
-        self.drives[b].period, self.drives[b].early = self.decision_ticks, self._early
+        self.restart(np.array([b]), [seed])
         for camp, seat in enumerate((red, blue)):
             self.sit(b, camp, seat)
+
+    def restart(self, which: Games, seeds: Sequence[int]) -> None:
+        """Put games back to tick 0, each with a seed for its dice; both players of each are to be seated then."""
+        for name, first in self._first.items():
+            rows = self._arrays()[name]
+            rows.view(np.uint8).reshape(self.n_games, -1)[which] = first.view(np.uint8).reshape(1, -1)
+        for b, seed in zip(which, seeds, strict=True):
+            seed_game(self.state.games[b], np.uint64(seed))
 
     def sit(self, b: int, camp: int, seat: Seat | None) -> None:
         """Seat a player, a bot or (None) the caller.
@@ -115,10 +119,13 @@ class Arena:
         if seat is not None:
             check_fit(seat, self.world, camp)
         bot = isinstance(seat, BotPlayer)
-        self.drives[b].seat[camp] = seat.bot if isinstance(seat, BotPlayer) else EXTERNAL
-        self.brains["drawn"]["member"][b, camp] = seat.member if isinstance(seat, BotPlayer) else 0
-        self.drives[b].wake_at[camp] = 0 if bot else NEVER
-        self.drives[b].asked[camp] = self.drives[b].due[camp] = not bot
+        drives = self.drives.view(np.ndarray)
+        drives["seat"][b, camp] = seat.bot if isinstance(seat, BotPlayer) else EXTERNAL
+        self.brains.view(np.ndarray)["drawn"]["member"][b, camp] = (
+            seat.member if isinstance(seat, BotPlayer) else 0
+        )
+        drives["wake_at"][b, camp] = 0 if bot else NEVER
+        drives["asked"][b, camp] = drives["due"][b, camp] = not bot
         self.players[b][camp] = None if isinstance(seat, BotPlayer) else seat
         self.set_lower(b, camp, getattr(seat, "lower", HEURISTIC_LOWER))
 
@@ -131,11 +138,12 @@ class Arena:
     def set_lower(self, b: int, camp: int, lower: Lower) -> None:
         """Say who answers for a camp's pieces on their way: "heuristic", a network, or any callable."""
         pieces = self.world.side(camp)
-        self.drives[b].lower[camp] = HEURISTIC
+        lowers = self.drives.view(np.ndarray)["lower"]
+        lowers[b, camp] = HEURISTIC
         if self._answerers.pop((b, camp), None) is not None:
             self.drives[b].outside[pieces] = 0
         if isinstance(lower, FrozenLower):
-            self.drives[b].lower[camp] = 1 + self._number(lower)
+            lowers[b, camp] = 1 + self._number(lower)
         elif callable(lower):
             self._answerers[b, camp] = lower
             self.drives[b].outside[pieces] = 1
@@ -342,12 +350,9 @@ class Arena:
         The choice is the reward's alone: nothing that a camp observes depends on it.
         """
         margins = self.margins(which, camps)
-        if not net or self.world.scenario.net_score:
-            return margins
-        games = self.state.games[which]
-        is_green = games.point_owner == Camp.GREEN
-        is_green &= np.arange(is_green.shape[1]) < games.n_points[:, None]
-        return margins + np.where(is_green, games.point_value, 0).sum(axis=1)
+        if net and not self.world.scenario.net_score:
+            add_green(which, self.state.games, margins)
+        return margins
 
     def wins(self, which: Games, camps: NDArray[np.int64]) -> NDArray[np.float64]:
         """1 where camp camps[k] has the larger margin in game which[k], 0.5 where they are equal, [n]."""
@@ -398,6 +403,15 @@ class Arena:
         check_play(self.world, state, missions, brains, drives)
         return state, missions, drives
 
+    def _first_game(self) -> Snapshot:
+        """Tick 0 of every game; nothing is logged."""
+        drives = np.zeros(1, DRIVE)
+        drives["period"], drives["early"] = self.decision_ticks, self._early
+        state = {field.name: getattr(self._start, field.name) for field in fields(State)}
+        del state["log"]
+        missions = new_missions(1, self.world.n_pieces)
+        return {**state, "missions": missions, "brains": np.zeros((1, 2), BRAIN), "drives": drives}
+
     def _arrays(self) -> Snapshot:
         state = {field.name: getattr(self.state, field.name) for field in fields(State)}
         return {**state, "missions": self.missions, "brains": self.brains, "drives": self.drives}
@@ -417,3 +431,13 @@ def margins_of(which: Rows, camps: Rows, games: Rows, pieces: Rows, rules_array:
     """Write the true margin of camp camps[k] in game which[k] to out[k]."""
     for k in range(which.size):
         out[k] = margin(games[which[k]], pieces[which[k]], camps[k], rules_array[0])
+
+
+@kernel
+def add_green(which: Rows, games: Rows, out: Rows) -> None:
+    """Add the points that nobody holds in game which[k] to out[k]."""
+    for k in range(which.size):
+        game = games[which[k]]
+        for p in point_range(game.n_points):
+            if game.point_owner[p] == Camp.GREEN:
+                out[k] += game.point_value[p]

@@ -52,13 +52,15 @@ def observe(
 
     Args:
         tasks, mask: the camp's task sets, from `list_tasks`, [N, K].
-        obs: out, f4 [N, Do]; rows: out, f4 [N, K, Dt]; alive: out, f4 [N].
+        obs: out, f4 [N, Do]; alive: out, f4 [N].
+        rows: out, f4 [N, K, Dt]; zeros, or what was written to it last.
     """
     first = first_piece(camp, game)
+    n_own = end_piece(camp, game) - first
     obs[:] = 0.0
-    rows[:] = 0.0
     alive[:] = 0.0
-    for n in range(end_piece(camp, game) - first):
+    rows[n_own:] = 0.0
+    for n in range(n_own):
         i = PieceIndex(first + n)
         alive[n] = 1.0 if pieces[i].blood > 0 else 0.0
         if pieces[i].blood > 0:

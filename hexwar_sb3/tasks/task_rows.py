@@ -64,12 +64,15 @@ def write_rows(
     i: PieceIndex, game: GameRecord, pieces: Pieces, memory: Memory, missions: Missions, rules: RulesRecord, cells: Cells, los: Sightlines, eta: TravelTimes,
     tasks: Tasks, mask: Rows, rows: Rows,
 ) -> None:  # fmt: skip
-    """Write the rows of piece i: tasks [K], mask [K] -> rows [K, Dt], which are 0 before."""
+    """Write the rows of piece i: tasks [K], mask [K] -> rows [K, Dt], 0 behind the last task."""
     piece = pieces[i]
     for k in range(tasks.size):
-        if mask[k] == 0:
-            break
         out, task = rows[k], tasks[k]
+        if mask[k] == 0 and is_blank(out):
+            break  # so are the rows behind it: tasks lie together at the front
+        out[:] = 0.0
+        if mask[k] == 0:
+            continue
         out[task.kind] = 1.0
         out[N_TASKS] = 1.0 if is_same(task, missions[i]) else 0.0
         cell = place_of(task, piece, pieces, memory)
@@ -83,6 +86,15 @@ def write_rows(
         now, value = _action(i, task, game, pieces, memory, rules, cells)
         out[N_TASKS + 5] = 1.0 if now else 0.0
         out[at + N_TYPES + 8] = bounded(value * PER_VALUE)
+
+
+@kernel
+def is_blank(row: Rows) -> bool:
+    """Nothing was written to the row of a task, which names the kind of its task first."""
+    for kind in range(N_TASKS):
+        if row[kind] != 0.0:
+            return False
+    return True
 
 
 @kernel

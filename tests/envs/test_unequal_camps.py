@@ -25,6 +25,7 @@ from hexwar_sb3.envs.task_games import TaskGames
 from hexwar_sb3.evaluation.matches import play_match
 from hexwar_sb3.maps.scenario import Scenario
 from hexwar_sb3.play.recording import record_game
+from hexwar_sb3.play.sight import Sight
 from hexwar_sb3.players.terms import Terms
 from hexwar_sb3.rules.enums import Camp
 from hexwar_sb3.server.hints import Adviser
@@ -65,7 +66,7 @@ def firsts(mask: NDArray[Any], rng: np.random.Generator) -> NDArray[np.int64]:
 
 
 def test_a_slot_without_a_piece_reads_as_a_destroyed_one_whoever_looked_before() -> None:
-    made, rng = games(), np.random.default_rng(0)
+    made, rng = games(n=3), np.random.default_rng(0)  # odd: a slot has either camp in turn
     seen = set()
     for _ in range(60):
         obs = made.sight.obs
@@ -189,3 +190,20 @@ def test_a_policy_advises_either_camp(camp: str) -> None:
     game = Game(replace(plain, name="fewer", pieces=plain.pieces[:-2]), seed=0)
     hint = Adviser("HRL0", "HRL0", game, camp).hint("tank0")
     assert 0 <= hint["chosen"] < len(hint["tasks"])
+
+
+def test_buffers_that_are_used_again_hold_what_new_ones_would() -> None:
+    """Also where a slot was the larger camp's, and where a piece had more tasks before."""
+    made, rng = games(n=3), np.random.default_rng(0)  # odd: a slot has either camp in turn
+    for _ in range(60):  # more than two games each, in both camps
+        mask = made.sight.obs["action_mask"]
+        span = made.play((rng.random(mask.shape) * mask).argmax(-1))
+        made.turn()
+        made.look(made.all)
+        if span.over.any():
+            made.begin(made.all[span.over])
+            made.look(made.all[span.over])
+        new = Sight(made.arena.world, made.n_games, with_state=True)
+        made.arena.look(made.all, made.all, made.camps, new)
+        for name, array in new.obs.items():
+            np.testing.assert_array_equal(made.sight.obs[name], array, name)
