@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from hexwar_sb3.engine.world import load_world
 from hexwar_sb3.errors import ConfigError
 from hexwar_sb3.maps.files import BUILTIN, load_map, load_scenario
 from hexwar_sb3.maps.generator import generate, standard_scenario
@@ -126,6 +127,13 @@ def test_builtin_files_are_what_their_seed_makes(name: str) -> None:
     assert scenario.hexmap.seed == spec.seed
     assert generate(spec).hash == scenario.hexmap.hash
     assert standard_scenario(scenario.hexmap, spec.start).hash == scenario.hash
+
+
+@pytest.mark.parametrize("name", [name for name, spec in MAP_SPECS.items() if spec.mirror])
+def test_points_of_mirrored_maps_are_their_own_images(name: str) -> None:
+    """Both camps are told of the points in one order: a pair of mirrored ones would be near and far, then far and near."""
+    world = load_world(name)
+    assert all(world.cells["mirror"][point.cell] == point.cell for point in world.scenario.points)
 
 
 @pytest.mark.parametrize("name", MAP_SPECS)
