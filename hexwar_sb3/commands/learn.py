@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import tyro
 
+from hexwar_sb3.commands.device import check_device
 from hexwar_sb3.commands.output import as_json, print_json
 from hexwar_sb3.commands.run_folder import RunFolder, write_text
 from hexwar_sb3.commands.settings import Json, Seed, check_name
@@ -44,9 +45,10 @@ class Learn:
     seed: Seed = 0
     eval_freq: int = 50_000  # env steps between two evaluations
     eval_episodes: int = 100  # greedy ones, on the same seeds each time
+    device: str = "auto"  # "cpu", "cuda", or what there is
     name: str = "learn"  # the run folder is RUNS/NAME_k
     runs: Path = Path("runs")  # folder of run folders
-    resume: Path | None = None  # run folder of ENV to go on in; all other settings are its own
+    resume: Path | None = None  # run folder of ENV to go on in; all settings but the device are its own
     progress: bool = False  # show a bar
     json: Json = False
 
@@ -79,6 +81,7 @@ class Learn:
             if getattr(self, name) < 1:
                 raise ConfigError(f"{name} must be at least 1, got {getattr(self, name)}")
         check_name("name", self.name)
+        check_device(self.device)
         self.settings  # noqa: B018  # reads the file
 
     @property
@@ -145,9 +148,9 @@ class Learn:
 
         env = self.games(self.settings.n_envs)
         if folder.checkpoint.exists():
-            return load_checkpoint(folder.checkpoint, env, device="cpu")
+            return load_checkpoint(folder.checkpoint, env, device=self.device)
         arguments = self.settings.arguments(self.n_timesteps)
-        return QMIX("TaskPolicy", env, seed=self.seed, device="cpu", **arguments)
+        return QMIX("TaskPolicy", env, seed=self.seed, device=self.device, **arguments)
 
     def _tell(self, rows: list[dict[str, float]], folder: RunFolder, seconds: float) -> None:
         best = max(rows, key=lambda row: row["mean_return"])
@@ -190,6 +193,6 @@ class Learn:
                 f"{folder.path} is a run of the env {own}: name it before --resume, got {self.env!r}"
             )
         config = folder.path / "settings.json"
-        again = Learn(**asked, config=config, progress=self.progress, json=self.json)
+        again = Learn(**asked, config=config, device=self.device, progress=self.progress, json=self.json)
         again.check()
         return again

@@ -23,6 +23,7 @@ from hexwar_sb3.callbacks.self_play import SelfPlayCallback
 from hexwar_sb3.callbacks.shares import shares_of
 from hexwar_sb3.callbacks.win_rate import WinRateCallback
 from hexwar_sb3.commands.albums import run_album, save_at_end
+from hexwar_sb3.commands.device import check_device
 from hexwar_sb3.commands.output import print_json
 from hexwar_sb3.commands.page import TRAINED, met_by, write_page
 from hexwar_sb3.commands.run_folder import RunFolder
@@ -185,19 +186,6 @@ def new_model(settings: TrainSettings, env: VecEnv) -> HierarchicalQMIX:
     model = HierarchicalQMIX.load(settings.trained_agent, env, device=settings.device, seed=settings.seed)
     model.num_timesteps = 0
     return model
-
-
-def check_device(name: str) -> None:
-    """Check that torch knows a device, and has it.
-
-    Raises:
-        ConfigError: it does not.
-    """
-    try:
-        torch.zeros(1, device="cpu" if name == "auto" else name)
-    except (RuntimeError, AssertionError) as error:
-        reason = str(error).splitlines()[0]
-        raise ConfigError(f"device {name!r} cannot be used: {reason}") from error
 
 
 def about(settings: TrainSettings) -> dict[str, str]:
