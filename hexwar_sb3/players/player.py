@@ -27,6 +27,7 @@ POLICY_FILE = "config.json"  # marks a policy folder
 POLICIES = {path.name: path for path in sorted(Path(__file__).with_name("builtin").iterdir())}
 """Trained policies that are part of the program, by name: HRL0 is the best warm-up of table 1, for both camps."""
 _OPPONENT_STREAM = 1  # keeps the draw of opponents apart from every other draw of an episode
+_SIDES = ("red", "blue", "both")  # names of folders that a league's players have their policies in
 
 
 @runtime_checkable
@@ -176,8 +177,11 @@ def member_of(player: Seat, who: Seat) -> int:
 
 
 def given_name(player: object) -> str | None:
-    """The name under which a player was given, or its folder's; None for an object."""
-    return Path(player).name if isinstance(player, str | Path) else None
+    """The name under which a player was given, or its folder's, as "CAI/both" where that is a camp's; None for an object."""
+    if not isinstance(player, str | Path):
+        return None
+    path = Path(player)
+    return "/".join(path.parts[-2:]) if path.name in _SIDES else path.name
 
 
 @dataclass(frozen=True)

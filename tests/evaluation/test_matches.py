@@ -55,6 +55,8 @@ def test_an_unknown_player_is_met_with_the_nearest_name() -> None:
 
 def test_a_folder_is_called_by_its_name() -> None:
     assert player_name("runs/commander_1") == "commander_1"
+    assert player_name("policies/CAI/both") == "CAI/both"  # a camp's name alone would say nothing
+    assert player_name("both") == "both"
 
 
 def test_a_panel_has_a_cell_for_each_opponent_and_camp() -> None:
