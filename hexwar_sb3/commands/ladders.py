@@ -48,11 +48,16 @@ def _spread(paths: list[Path]) -> list[Path]:
     return [paths[k * (len(paths) - 1) // (SNAPSHOTS - 1)] for k in range(SNAPSHOTS)]
 
 
-def _of_league(place: Path, camp: str) -> list[Rung]:
-    """The best model of each iteration that was kept."""
+def _of_league(folder: Path, camp: str) -> list[Rung]:
+    """The best model of each iteration that was kept; of one that stayed the best, the iteration that made it so."""
     from hexwar_sb3.league.folder import LeagueFolder
 
-    league = LeagueFolder.open(place)
+    league = LeagueFolder.open(folder)
     done = [k for k in range(league.settings.iterations + 1) if league.is_done(k)]
-    best = [(k, league.kept(k)[camp][0]) for k in done]
-    return [Rung(f"iteration {k}: {member.name}", str(member.folder)) for k, member in best]
+    best: dict[str, Rung] = {}
+    for k in done:
+        member = league.kept(k)[camp][0]
+        if (member.folder / "config.json").is_file():  # results/ keeps some models alone
+            place = str(member.folder)
+            best.setdefault(place, Rung(f"iteration {k}: {member.name}", place))
+    return list(best.values())

@@ -14,13 +14,15 @@ import pytest
 from hexwar_sb3.commands.ladders import open_ladder
 from hexwar_sb3.errors import ConfigError, FileFormatError, HexWarError
 from hexwar_sb3.maps.scenario import Scenario
-from hexwar_sb3.players.player import POLICIES
+from hexwar_sb3.players.player import POLICIES, make_player
 from hexwar_sb3.server.ladder import Ladder, Played, Rung
 from hexwar_sb3.server.messages import Finish
 from hexwar_sb3.server.session import Session, resumed_session
 
 RUNGS = (Rung("untrained", "MA1"), Rung("half way", "MA2"), Rung("trained", "HRL0"))
-PAGE = (Path(__file__).parents[2] / "docs/formats/play.md").read_text(encoding="utf-8")
+HOME = Path(__file__).parents[2]
+PAGE = (HOME / "docs/formats/play.md").read_text(encoding="utf-8")
+LEAGUE = HOME / "results/table1/league"
 
 
 def played(rung: str, result: Any, name: str) -> Played:
@@ -134,6 +136,43 @@ def test_a_training_is_a_ladder(run: Path, tmp_path: Path) -> None:
     ]
     assert ladder.file == tmp_path / "play" / "commander_1.ladder.json"
     assert Path(ladder.rungs[-1].player) == run / "policy"
+
+
+@pytest.fixture
+def league(tmp_path: Path) -> Path:
+    """The league of table 1, whose iterations have one policy for all their models."""
+    place = shutil.copytree(LEAGUE, tmp_path / "league")
+    for table in place.glob("iteration_*/table.json"):
+        for name in (name for camp in json.loads(table.read_text())["kept"].values() for name in camp):
+            if name[0].isdigit():
+                home = place / f"iteration_{int(name.split('-')[0]):02d}" / "groups" / name / "both"
+                shutil.copytree(POLICIES["HRL0"], home, dirs_exist_ok=True)
+    return place
+
+
+@pytest.mark.parametrize("camp", ["red", "blue"])
+def test_a_league_is_a_ladder(camp: str, league: Path, tmp_path: Path) -> None:
+    ladder = open_ladder(league, camp, tmp_path)
+
+    assert [rung.name.split(":")[0] for rung in ladder.rungs] == [f"iteration {k}" for k in range(11)]
+    assert all(hasattr(make_player(rung.player), "act") for rung in ladder.rungs)
+    assert ladder.rung_of(ladder.rungs[-1].player) is ladder.rungs[-1]
+
+
+def test_who_stays_the_best_is_one_rung(league: Path, tmp_path: Path) -> None:
+    first, second = (league / f"iteration_{k:02d}" / "table.json" for k in (0, 1))
+    found, kept = json.loads(second.read_text()), json.loads(first.read_text())["kept"]
+    second.write_text(json.dumps({**found, "kept": kept}))
+
+    names = [rung.name for rung in open_ladder(league, "red", tmp_path).rungs]
+    assert names[0].startswith("iteration 0: ")
+    assert names[1].startswith("iteration 2: ")
+
+
+def test_models_that_are_gone_are_no_rungs(tmp_path: Path) -> None:
+    """results/ keeps the models that the league of table 1 began with."""
+    names = [rung.name for rung in open_ladder(LEAGUE, "red", tmp_path).rungs]
+    assert names == ["iteration 0: default-2", "iteration 1: default-1"]
 
 
 def test_a_folder_without_policies_is_none(tmp_path: Path) -> None:
