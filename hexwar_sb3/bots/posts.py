@@ -110,12 +110,16 @@ def post_score(
     """
     piece = pieces[i]
     row = danger_row(piece, rules)
+    most_gain = atlas.best_gain[piece.kind]
+    lasting = lasting_worth(style, piece.kind, row, cell, game.point_cell[k], rules, cells, los, atlas)
+    least_ticks = int(rules.base_hop[piece.kind]) * cells_apart(cells, piece.cell, cell)
+    if at_most(style, lasting, least_ticks, most_gain) <= at_least:
+        return WORST  # without a look at the way, which mostly lies far off in memory
     ticks = travel_ticks(piece.kind, piece.cell, cell, rules, cells, eta)
-    score = lasting_worth(style, piece.kind, row, cell, game.point_cell[k], rules, cells, los, atlas)
-    score -= ticks / style.eta_ticks
-    sure = 1.0 / (1.0 + ticks / style.patience_ticks)
-    if score + sure * style.gain_weight * atlas.best_gain[piece.kind] <= at_least:
+    if at_most(style, lasting, ticks, most_gain) <= at_least:
         return WORST
+    score = lasting - ticks / style.eta_ticks
+    sure = 1.0 / (1.0 + ticks / style.patience_ticks)
     if ticks >= UNREACHABLE or is_taken(i, cell, camp, game, pieces, brain):
         return WORST
     if brain.n_foes == 0:
@@ -127,6 +131,16 @@ def post_score(
         return WORST
     threat = threat_at(piece.kind, cell, camp, pieces, memory, brain, rules, cells, los, atlas)
     return score + sure * (style.gain_weight * gain - style.threat_weight * threat)
+
+
+@kernel
+def at_most(style: Style, lasting: float, ticks: int, most_gain: float) -> float:
+    """The most that a cell so far away can be worth, points."""
+    return (
+        lasting
+        - ticks / style.eta_ticks
+        + 1.0 / (1.0 + ticks / style.patience_ticks) * style.gain_weight * most_gain
+    )
 
 
 @kernel
