@@ -104,9 +104,9 @@ class Arena:
 
     def restart(self, which: Games, seeds: Sequence[int]) -> None:
         """Put games back to tick 0, each with a seed for its dice; both players of each are to be seated then."""
-        for name, first in self._first.items():
-            rows = self._arrays()[name]
-            rows.view(np.uint8).reshape(self.n_games, -1)[which] = first.view(np.uint8).reshape(1, -1)
+        own = self._arrays()
+        for name, first in self._first.items():  # as bytes: records are copied field by field
+            own[name].view(np.uint8).reshape(self.n_games, -1)[which] = first.view(np.uint8).reshape(1, -1)
         for b, seed in zip(which, seeds, strict=True):
             seed_game(self.state.games[b], np.uint64(seed))
 
